@@ -1,0 +1,95 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A recording: one time base and named channels in SI."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from hst_drive.units import si_unit
+
+
+class Channel(NamedTuple):
+    """
+    A quantity that a log may hold.
+
+    ``hold`` says what lies between two samples: commands stay ('zero'), analogue signals move
+    on a straight line ('linear').
+    """
+
+    name: str
+    display: str
+    hold: str
+    title: str
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return si_unit(self.display)
+
+
+CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
+    Channel('pump_command', 'V', 'zero', 'pump displacement command'),
+    Channel('pprv_command', 'V', 'zero', 'PPRV command'),
+    Channel('speed_setpoint', 'rpm', 'zero', 'speed set point'),
+    Channel('oil_temperature', 'degC', 'linear', 'oil temperature'),
+    Channel('pump_speed', 'rpm', 'linear', 'pump shaft speed'),
+    Channel('pump_outlet_pressure', 'bar', 'linear', 'pump outlet pressure'),
+    Channel('motor_inlet_pressure', 'bar', 'linear', 'hydromotor inlet pressure'),
+    Channel('motor_inlet_flow', 'L/min', 'linear', 'hydromotor inlet flow'),
+    Channel('case_drain_flow', 'L/min', 'linear', 'case drain flow'),
+    Channel('motor_speed', 'rpm', 'linear', 'hydromotor speed'),
+    Channel('load_torque', 'N.m', 'linear', 'load torque'),
+    Channel('pump_displacement', 'cc/rev', 'linear', 'pump displacement'),
+    Channel('motor_torque', 'N.m', 'linear', 'hydromotor shaft torque'),
+)}
+
+
+@dataclass(frozen=True)
+class Run:
+    """
+    One recording.
+
+    Attributes
+    ----------
+    name : str
+        Short name for tables.
+    time : ndarray, shape (n,)
+        Seconds, strictly rising.
+    channels : dict of str to ndarray, shape (n,)
+        SI values by the names of ``CHANNELS``; NaN where a sample is missing.
+    source : str
+        Where it came from.
+    notes : tuple of str
+        What the reader should know: repaired, left out, guessed.
+
+    """
+
+    name: str
+    time: np.ndarray
+    channels: dict[str, np.ndarray]
+    source: str = ''
+    notes: tuple[str, ...] = field(default=())
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.channels
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.channels[name]
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def sample_time(self) -> float:
+        """Median time between samples, s."""
+        return float(np.median(np.diff(self.time)))
+
+    def between(self, start: float, end: float) -> Run:
+        """Return the part with ``start <= time < end`` (s)."""
+        keep = (self.time >= start) & (self.time < end)
+        return Run(self.name, self.time[keep],
+                   {name: values[keep] for name, values in self.channels.items()},
+                   self.source, self.notes)
