@@ -1,0 +1,191 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+THE table of topics: what is published where, in which type, unit, frame and quality of service.
+
+The nodes, the recorder, the reader of bags and the documentation all go by it. It is data
+without ROS. Quantities for which ROS has no stamped standard type (voltage, flow, displacement,
+ratio) travel as geometry_msgs/Vector3Stamped, whose x carries the value in SI and whose
+frame_id names the component. ``FluidPressure`` is absolute, ``Temperature`` is in degC, as their
+definitions say.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.errors import InputError
+from hst_drive.units import from_si, to_si
+
+NAMESPACE = '/drive'
+ATMOSPHERE = 101325.0
+"""Standard atmosphere, Pa: absolute pressure = gauge pressure + ATMOSPHERE."""
+
+
+class Qos(NamedTuple):
+    """Quality of service that a publisher offers."""
+
+    reliability: str = 'reliable'
+    durability: str = 'volatile'
+    depth: int = 100
+
+
+class Field(NamedTuple):
+    """
+    One number of a message.
+
+    Attributes
+    ----------
+    path : str
+        Where it is, e.g. ``'vector.x'`` or ``'velocity[0]'``.
+    unit : str
+        Unit in the message.
+    title : str
+        What it is.
+    channel : str or None
+        Name of the channel of a log that it carries; None if it is for display only.
+    absolute : bool
+        The message holds absolute pressure, the channel gauge pressure.
+
+    """
+
+    path: str
+    unit: str
+    title: str
+    channel: str | None = None
+    absolute: bool = False
+
+    def to_channel(self, value):
+        """Convert from the message's unit to the SI value (Pa gauge) of the channel."""
+        value = to_si(value, self.unit)
+        return value - ATMOSPHERE if self.absolute else value
+
+    def from_channel(self, value):
+        """Convert an SI value (Pa gauge) of the channel to the message's unit."""
+        return from_si(value + ATMOSPHERE if self.absolute else value, self.unit)
+
+
+class Topic(NamedTuple):
+    """
+    One topic; ``name`` is relative to the namespace unless it begins with a slash.
+
+    ``on`` says whether its publisher is on by default, ``recorded`` whether the recorder takes it.
+    """
+
+    name: str
+    type: str
+    frame: str
+    publisher: str
+    fields: tuple[Field, ...]
+    qos: Qos = Qos()
+    on: bool = True
+    recorded: bool = True
+
+    def full_name(self, namespace: str = NAMESPACE) -> str:
+        """Return the resolved name in a namespace."""
+        return self.name if self.name.startswith('/') else f'{namespace.rstrip("/")}/{self.name}'
+
+
+VECTOR3_STAMPED = 'geometry_msgs/msg/Vector3Stamped'
+FLUID_PRESSURE = 'sensor_msgs/msg/FluidPressure'
+TEMPERATURE = 'sensor_msgs/msg/Temperature'
+JOINT_STATE = 'sensor_msgs/msg/JointState'
+CLOCK = 'rosgraph_msgs/msg/Clock'
+
+
+def _scalar(channel: str, unit: str, title: str, frame: str, publisher: str, **more) -> Topic:
+    return Topic(channel, VECTOR3_STAMPED, frame, publisher,
+                 (Field('vector.x', unit, title, channel),), **more)
+
+
+def _pressure(channel: str, title: str, frame: str, **more) -> Topic:
+    return Topic(channel, FLUID_PRESSURE, frame, 'plant',
+                 (Field('fluid_pressure', 'Pa', title, channel, absolute=True),), **more)
+
+
+def _ratios(name: str, origin: str) -> Topic:
+    return Topic(name, VECTOR3_STAMPED, 'motor', 'estimator', (
+        Field('vector.x', '1', f'volumetric efficiency, {origin}'),
+        Field('vector.y', '1', f'hydro-mechanical efficiency, {origin}'),
+        Field('vector.z', '1', f'overall efficiency, {origin}')))
+
+
+def _losses(name: str, origin: str) -> Topic:
+    return Topic(name, VECTOR3_STAMPED, 'motor', 'estimator', (
+        Field('vector.x', '%', f'slip, {origin}'),
+        Field('vector.y', '%', f'torque loss, {origin}')))
+
+
+TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
+    _scalar('pump_command', 'V', 'pump displacement command', 'pump', 'controller'),
+    _scalar('pprv_command', 'V', 'PPRV command', 'pprv', 'load_profile'),
+    _scalar('speed_setpoint', 'rad/s', 'speed set point', 'motor', 'load_profile'),
+    Topic('oil_temperature', TEMPERATURE, 'oil', 'plant',
+          (Field('temperature', 'degC', 'oil temperature', 'oil_temperature'),)),
+    _pressure('pump_outlet_pressure', 'pump outlet pressure', 'pump_outlet'),
+    _pressure('motor_inlet_pressure', 'hydromotor inlet pressure', 'motor_inlet', on=False),
+    _scalar('motor_inlet_flow', 'm^3/s', 'hydromotor inlet flow', 'motor_inlet', 'plant'),
+    _scalar('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', 'plant', on=False),
+    Topic('motor', JOINT_STATE, 'motor', 'plant', (
+        Field('position[0]', 'rad', 'hydromotor angle'),
+        Field('velocity[0]', 'rad/s', 'hydromotor speed', 'motor_speed'),
+        Field('effort[0]', 'N.m', 'load torque at the torque sensor', 'load_torque'))),
+    Topic('pump', JOINT_STATE, 'pump', 'plant', (
+        Field('velocity[0]', 'rad/s', 'pump shaft speed', 'pump_speed'),), on=False),
+    _scalar('pump_displacement', 'm^3/rad', 'pump displacement', 'pump', 'plant', on=False),
+    _scalar('motor_torque', 'N.m', 'hydromotor shaft torque', 'motor', 'plant', on=False),
+    _ratios('efficiency', 'from the measured signals'),
+    _ratios('model_efficiency', 'from the loss model'),
+    _losses('losses', 'from the measured signals'),
+    _losses('model_losses', 'from the loss model'),
+    Topic('/clock', CLOCK, '', 'plant', (Field('clock', 's', 'simulated time'),),
+          qos=Qos(depth=10), on=False),
+)}
+
+CHANNEL_FIELDS: dict[str, tuple[Topic, Field]] = {
+    field.channel: (topic, field)
+    for topic in TOPICS.values() for field in topic.fields if field.channel}
+"""Topic and field that carry a channel."""
+
+STANDARD_UNITS: dict[tuple[str, str], tuple[str, bool]] = {
+    (FLUID_PRESSURE, 'fluid_pressure'): ('Pa', True),
+    (TEMPERATURE, 'temperature'): ('degC', False),
+    (JOINT_STATE, 'position'): ('rad', False),
+    (JOINT_STATE, 'velocity'): ('rad/s', False),
+    (JOINT_STATE, 'effort'): ('N.m', False),
+}
+"""Unit of a standard message's field as its definition fixes it, and whether it is absolute."""
+
+
+def channel_names() -> tuple[str, ...]:
+    """Return the channels that a bag may carry, in the order of the table."""
+    return tuple(CHANNEL_FIELDS)
+
+
+def topic_of(channel: str) -> tuple[Topic, Field]:
+    """
+    Return topic and field that carry a channel.
+
+    Raises
+    ------
+    InputError
+        If no topic carries it.
+
+    """
+    if channel not in CHANNEL_FIELDS:
+        raise InputError(f'no topic carries the channel {channel!r}; '
+                         f'known: {", ".join(CHANNEL_FIELDS)}')
+    return CHANNEL_FIELDS[channel]
+
+
+def markdown() -> str:
+    """Return the table as Markdown for the documentation."""
+    rows = ['| topic | type | field | quantity | unit | frame | published by | QoS | default |',
+            '|---|---|---|---|---|---|---|---|---|']
+    for topic in TOPICS.values():
+        qos = f'{topic.qos.reliability}, {topic.qos.durability}, {topic.qos.depth}'
+        for field in topic.fields:
+            unit = f'{field.unit} absolute' if field.absolute else field.unit
+            rows.append(f'| `{topic.full_name()}` | {topic.type} | `{field.path}` | '
+                        f'{field.title} | {unit} | {topic.frame} | {topic.publisher} | {qos} | '
+                        f'{"on" if topic.on else "off"} |')
+    return '\n'.join(rows) + '\n'
