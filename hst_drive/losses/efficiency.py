@@ -1,0 +1,174 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Actual performance of a hydraulic motor, from measured signals.
+
+Equations (11) to (15) of the motor-loss paper. The paper quotes slip and torque loss in percent;
+here they are fractions, 0.05 for 5 %.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Performance(NamedTuple):
+    """
+    Performance of a motor at one operating point.
+
+    ``volumetric = 1 - slip``, ``hydromechanical = 1 - torque_loss_ratio`` and ``overall`` is
+    their product.
+    """
+
+    volumetric: float
+    hydromechanical: float
+    overall: float
+    slip: float
+    torque_loss: float
+    torque_loss_ratio: float
+
+
+class Limits(NamedTuple):
+    """
+    The smallest signals from which an efficiency means something (SI).
+
+    Every ratio below has one of them in its denominator, so at standstill and without pressure
+    it is noise divided by noise.
+    """
+
+    speed: float = 0.5
+    pressure: float = 5e5
+    flow: float = 1e-5
+
+
+def ideal_speed(flow, displacement):
+    """Return the speed of a motor without leakage, rad/s. Eq. (13): ``w_mi = Q_s / D_m``."""
+    return flow / displacement
+
+
+def slip(flow, speed, displacement):
+    """
+    Return the slip, the share of the flow that turns nothing.
+
+    Eqs. (12) and (13) of the motor-loss paper, ``S_ma = (w_mi - w_ma) / w_mi``.
+
+    Parameters
+    ----------
+    flow : float or ndarray
+        Supplied flow, m^3/s, not zero.
+    speed : float or ndarray
+        Measured speed, rad/s.
+    displacement : float
+        Displacement, m^3/rad.
+
+    Returns
+    -------
+    float or ndarray
+        Fraction of the supplied flow.
+
+    """
+    ideal = ideal_speed(flow, displacement)
+    return (ideal - speed) / ideal
+
+
+def torque_loss(pressure, load_torque, displacement):
+    """
+    Return the torque that does not reach the shaft, N m.
+
+    Eqs. (14) and (15) of the motor-loss paper, ``dT_la = T_i - T_ld`` with ``T_i = P_p D_m``.
+
+    Parameters
+    ----------
+    pressure : float or ndarray
+        Pressure across the motor, Pa.
+    load_torque : float or ndarray
+        Torque at the shaft, N m.
+    displacement : float
+        Displacement, m^3/rad.
+
+    """
+    return pressure * displacement - load_torque
+
+
+def overall_efficiency(pressure, flow, speed, load_torque):
+    """
+    Return shaft power over hydraulic power.
+
+    Eq. (11) of the motor-loss paper, ``eta_ma = T_ld w_ma / (P_p Q_s)``.
+
+    Parameters
+    ----------
+    pressure, flow, speed, load_torque : float or ndarray
+        Pa, m^3/s, rad/s, N m; pressure and flow not zero.
+
+    """
+    return load_torque * speed / (pressure * flow)
+
+
+def performance(pressure, flow, speed, load_torque, displacement) -> Performance:
+    """
+    Return all figures of merit of an operating point, Eqs. (11) to (15).
+
+    Parameters
+    ----------
+    pressure, flow, speed, load_torque : float or ndarray
+        Pa, m^3/s, rad/s, N m; pressure and flow not zero.
+    displacement : float
+        Displacement, m^3/rad.
+
+    """
+    lost_flow = slip(flow, speed, displacement)
+    lost_torque = torque_loss(pressure, load_torque, displacement)
+    lost_share = lost_torque / (pressure * displacement)
+    return Performance(1.0 - lost_flow, 1.0 - lost_share,
+                       overall_efficiency(pressure, flow, speed, load_torque),
+                       lost_flow, lost_torque, lost_share)
+
+
+def predicted(pressure, speed, displacement, leakage, mechanical_efficiency) -> Performance:
+    """
+    Return the performance that a loss model predicts at a measured pressure and speed.
+
+    Parameters
+    ----------
+    pressure, speed : float or ndarray
+        Pa and rad/s, not zero.
+    displacement : float
+        Displacement, m^3/rad.
+    leakage : float or ndarray
+        Leakage that the model gives at this point, m^3/s.
+    mechanical_efficiency : float or ndarray
+        Share of ``P D`` that reaches the shaft.
+
+    """
+    flow = displacement * speed + leakage
+    torque = mechanical_efficiency * pressure * displacement
+    return performance(pressure, flow, speed, torque, displacement)
+
+
+def reason_not_valid(pressure, flow, speed, load_torque, limits: Limits = Limits()) -> str:
+    """
+    Return why no efficiency can be told from these signals, or an empty string.
+
+    Parameters
+    ----------
+    pressure, flow, speed, load_torque : float
+        Pa, m^3/s, rad/s, N m; NaN stands for a signal that is not there.
+    limits : Limits
+        The smallest signals that are enough.
+
+    """
+    signals = {'pressure': pressure, 'flow': flow, 'speed': speed, 'load torque': load_torque}
+    missing = [name for name, value in signals.items() if not np.isfinite(value)]
+    if missing:
+        return f'no {" and no ".join(missing)}'
+    if abs(speed) < limits.speed:
+        return f'standstill: speed {speed:.3g} rad/s is below {limits.speed:g} rad/s'
+    if pressure < limits.pressure:
+        return f'pressure {pressure / 1e5:.3g} bar is below {limits.pressure / 1e5:g} bar'
+    if abs(flow) < limits.flow or flow * speed <= 0.0:
+        return f'flow {flow * 6e4:.3g} L/min does not drive the motor'
+    if load_torque * speed <= 0.0:
+        return f'load torque {load_torque:.3g} N m drives the motor'
+    return ''
