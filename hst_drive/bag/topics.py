@@ -90,6 +90,7 @@ FLUID_PRESSURE = 'sensor_msgs/msg/FluidPressure'
 TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 CLOCK = 'rosgraph_msgs/msg/Clock'
+DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
 
 
 def _scalar(channel: str, unit: str, title: str, frame: str, publisher: str, **more) -> Topic:
@@ -137,6 +138,13 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     _ratios('model_efficiency', 'from the loss model'),
     _losses('losses', 'from the measured signals'),
     _losses('model_losses', 'from the loss model'),
+    Topic('oil_temperature_command', TEMPERATURE, 'oil', 'load_profile', (
+        Field('temperature', 'degC', 'oil temperature that the test bench sets'),),
+        recorded=False),
+    Topic('manual_pump_command', VECTOR3_STAMPED, 'pump', 'load_profile', (
+        Field('vector.x', 'V', 'pump command of a manual run'),), recorded=False),
+    Topic('sync', DIAGNOSTIC_ARRAY, '', 'all nodes', (), on=False, recorded=False),
+    Topic('/diagnostics', DIAGNOSTIC_ARRAY, '', 'estimator', (), recorded=False),
     Topic('/clock', CLOCK, '', 'plant', (Field('clock', 's', 'simulated time'),),
           qos=Qos(depth=10), on=False),
 )}
