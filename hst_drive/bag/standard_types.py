@@ -1,0 +1,37 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The message definitions that a bag of ours needs, for machines without ROS 2.
+
+Where the packages' own ``.msg`` files are found (``definitions.py``), those are used instead.
+Comments are left out; fields and hashes are those of ROS 2 Jazzy's common_interfaces 5.3.
+"""
+
+STANDARD_TYPES: dict[str, tuple[str, str]] = {
+    'builtin_interfaces/msg/Time': (
+        'int32 sec\nuint32 nanosec\n',
+        'RIHS01_b106235e25a4c5ed35098aa0a61a3ee9c9b18d197f398b0e4206cea9acf9c197'),
+    'std_msgs/msg/Header': (
+        'builtin_interfaces/Time stamp\nstring frame_id\n',
+        'RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01'),
+    'rosgraph_msgs/msg/Clock': (
+        'builtin_interfaces/Time clock\n',
+        'RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564'),
+    'geometry_msgs/msg/Vector3': (
+        'float64 x\nfloat64 y\nfloat64 z\n',
+        'RIHS01_cc12fe83e4c02719f1ce8070bfd14aecd40f75a96696a67a2a1f37f7dbb0765d'),
+    'geometry_msgs/msg/Vector3Stamped': (
+        'std_msgs/Header header\nVector3 vector\n',
+        'RIHS01_d4829622288cbb443886e7ea94ea5671a3b1be6bab4ad04224432a65f7d7887a'),
+    'sensor_msgs/msg/FluidPressure': (
+        'std_msgs/Header header\nfloat64 fluid_pressure\nfloat64 variance\n',
+        'RIHS01_22dfb2b145a0bd5a31a1ac3882a1b32148b51d9b2f3bab250290d66f3595bc32'),
+    'sensor_msgs/msg/Temperature': (
+        'std_msgs/Header header\nfloat64 temperature\nfloat64 variance\n',
+        'RIHS01_72514a14126ab9f8a9abec974c78e5610a367b59db5da355ff1fb982d5bad4b8'),
+    'sensor_msgs/msg/JointState': (
+        'std_msgs/Header header\n\nstring[] name\nfloat64[] position\nfloat64[] velocity\n'
+        'float64[] effort\n',
+        'RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e'),
+}
+"""Definition text and type hash by full type name."""
