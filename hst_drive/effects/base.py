@@ -1,0 +1,137 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a physical effect declares.
+
+An effect is a plain scalar function and one ``Effect``. The names of the function's arguments
+say what it reads (``READABLE``) and which of its own parameters it uses; its ``slot`` says
+where the result enters the drive's balances (``SLOTS``). Fit bounds, ROS parameters, listing,
+page, documentation and tests follow from the declaration.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+import inspect
+from typing import Callable, NamedTuple
+
+
+class Slot(NamedTuple):
+    """A place in the equations: balance it belongs to, unit of the term, what the term does."""
+
+    enters: str
+    unit: str
+    meaning: str
+
+
+SLOTS: dict[str, Slot] = {
+    'pump_command': Slot('pump actuator', 'V', 'added to the pump command'),
+    'pump_play': Slot('pump actuator', 'V', 'width of the play between command and swash plate'),
+    'pump_lag': Slot('pump actuator', 's', 'added to the displacement lag'),
+    'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
+    'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
+    'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
+    'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
+    'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),
+    'line_drop': Slot('torque', 'Pa', 'pressure lost between pump outlet and hydromotor inlet'),
+    'back_pressure': Slot('torque', 'Pa', 'pressure at the hydromotor outlet'),
+    'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
+    'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
+    'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
+    'load_torque': Slot('load', 'N.m', 'load torque beyond what the loading unit explains'),
+    'pressure_reading': Slot('sensor', 'Pa', 'added to the pressure reading'),
+    'flow_reading': Slot('sensor', 'm^3/s', 'added to the flow reading'),
+    'speed_reading': Slot('sensor', 'rad/s', 'added to the speed reading'),
+    'speed_reading_lag': Slot('sensor', 's', 'first-order lag of the speed reading'),
+    'torque_reading': Slot('sensor', 'N.m', 'added to the torque reading'),
+}
+
+# What an effect may read: name -> unit. Constants of the rig stand beside signals.
+READABLE: dict[str, str] = {
+    'displacement': 'm^3/rad', 'pump_speed': 'rad/s', 'pump_pressure': 'Pa', 'pressure': 'Pa',
+    'motor_speed': 'rad/s', 'motor_angle': 'rad', 'pump_command': 'V', 'pprv_command': 'V',
+    'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
+    'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s', 'motor_displacement': 'm^3/rad',
+    'max_displacement': 'm^3/rad', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
+    'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
+}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """
+    A parameter of an effect, in SI.
+
+    ``neutral`` switches the effect off; ``low`` and ``high`` bound what is plausible on a real
+    machine; ``typical`` is a size at which the effect matters and where a fit may start.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    typical: float
+    meaning: str
+    neutral: float = 0.0
+
+
+@dataclass(frozen=True)
+class Effect:
+    """
+    One physical effect that a baseline drive model leaves out.
+
+    Attributes
+    ----------
+    id : str
+        Name in results and rig files.
+    title : str
+        What it is, for people, without a full stop.
+    slot : str
+        Where the term enters (``SLOTS``).
+    function : callable
+        Scalar function of readable quantities and parameters; returns the term in SI.
+    equation : str
+        The equation as text.
+    parameters : tuple of Parameter
+        The first is the effect's size: at its neutral value nothing is left of the effect.
+    telltale : str
+        One sentence: what the data look like.
+    source : str
+        Where the equation comes from.
+    shows_in : tuple of str
+        Channels of which at least one must be recorded for the effect to be seen.
+
+    """
+
+    id: str
+    title: str
+    slot: str
+    function: Callable[..., float]
+    equation: str
+    parameters: tuple[Parameter, ...]
+    telltale: str
+    source: str
+    shows_in: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        if self.slot not in SLOTS:
+            raise ValueError(f"effect '{self.id}': unknown slot '{self.slot}'; "
+                             f'known: {", ".join(SLOTS)}')
+        own = {parameter.name for parameter in self.parameters}
+        for name in self.arguments:
+            if name not in READABLE and name not in own:
+                raise ValueError(f"effect '{self.id}': argument '{name}' is neither readable nor "
+                                 f'a parameter; readable: {", ".join(READABLE)}')
+        for parameter in self.parameters:
+            if not parameter.low <= parameter.typical <= parameter.high:
+                raise ValueError(f"effect '{self.id}': parameter '{parameter.name}' has its "
+                                 'typical value outside its bounds')
+
+    @property
+    def enters(self) -> str:
+        """Balance that the effect enters."""
+        return SLOTS[self.slot].enters
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of the function's arguments, in order."""
+        return tuple(inspect.signature(self.function).parameters)

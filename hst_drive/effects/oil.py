@@ -1,0 +1,44 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Kinematic viscosity of mineral hydraulic oils.
+
+Walther's equation as standardised in ASTM D341: ``log10(log10(nu + 0.7)) = a - b*log10(T)``
+with nu in mm^2/s and T in K. The two constants follow from the viscosities at 40 and 100 degC;
+the grade of ISO 3448 is the viscosity at 40 degC, and 100 degC values are those of mineral oils
+with a viscosity index of about 95 to 100 (ASTM D2270).
+"""
+from __future__ import annotations
+
+import numpy as np
+
+# ISO VG grade: mm^2/s at 40 degC, mm^2/s at 100 degC.
+GRADES: dict[str, tuple[float, float]] = {
+    'ISO VG 10': (10.0, 2.6), 'ISO VG 15': (15.0, 3.3), 'ISO VG 22': (22.0, 4.3),
+    'ISO VG 32': (32.0, 5.4), 'ISO VG 46': (46.0, 6.8), 'ISO VG 68': (68.0, 8.7),
+    'ISO VG 100': (100.0, 11.4), 'ISO VG 150': (150.0, 15.0), 'SAE 30': (93.0, 10.8),
+}
+
+
+def viscosity(temperature, grade: str):
+    """
+    Return the kinematic viscosity in m^2/s.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        K.
+    grade : str
+        Key of ``GRADES``.
+
+    Raises
+    ------
+    KeyError
+        If the grade is not known.
+
+    """
+    at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in GRADES[grade])
+    slope = (at_40 - at_100) / (np.log10(373.15) - np.log10(313.15))
+    temperature = np.clip(temperature, 233.15, 473.15)
+    double_log = at_40 - slope * (np.log10(temperature) - np.log10(313.15))
+    return (10.0**(10.0**double_log) - 0.7) * 1e-6

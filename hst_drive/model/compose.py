@@ -1,0 +1,195 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+From the equations and the catalogue of effects to running code.
+
+The text of ``kernel_template`` gets one guarded line per effect at its slot, and constants for
+the places in the parameter vector. All effects are in the code, switched by a flag each, so that
+one compilation serves every combination; numba keeps the machine code beside the generated file
+in the user's cache folder.
+"""
+from __future__ import annotations
+
+from functools import lru_cache
+import hashlib
+import importlib.util
+import inspect
+import linecache
+import os
+from pathlib import Path
+import sys
+import tempfile
+import types
+from typing import Callable, NamedTuple
+
+from hst_drive.effects import catalogue, Effect
+from hst_drive.model import kernel_template
+from hst_drive.model.parameters import NAMES
+
+CONSTANTS = {
+    'SIGN_WIDTH': 0.15,               # rad/s, smooth sign of friction and load torques
+    'SIGN_SATURATED': 3.0,            # rad/s; beyond it tanh is 1 to the last digit
+    'CAVITATION_PRESSURE': -0.9e5,    # Pa gauge
+    'STIFF_SPEED': 0.8,               # rad/s
+    'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
+    'SHAFT_LOAD_SIDE_SHARE': 0.35,    # of the inertia lies behind a flexible shaft
+    'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
+}
+OUTPUTS: tuple[str, ...] = (
+    'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque',
+    'pump_displacement', 'motor_inlet_pressure', 'case_drain_flow', 'pump_speed',
+    'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure')
+STATES: tuple[str, ...] = (
+    'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
+    'twist', 'speed_reading', 'play')
+
+
+class Kernel(NamedTuple):
+    """
+    The running code and how its vectors are laid out.
+
+    ``places`` maps (effect id, parameter) to its place behind the baseline's parameters;
+    ``flags`` maps an effect id to its switch.
+    """
+
+    simulate: Callable
+    derivatives: Callable
+    places: dict[tuple[str, str], int]
+    flags: dict[str, int]
+    size: int
+    source: str
+    compiled: bool
+
+
+def have_numba() -> bool:
+    """Say whether numba can be imported, without importing it."""
+    return importlib.util.find_spec('numba') is not None
+
+
+def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
+    """Return the source text, the places of parameters, the flags and the vector's length."""
+    places, flags = {}, {}
+    size = len(NAMES)
+    for index, effect in enumerate(effects.values()):
+        flags[effect.id] = index
+        for parameter in effect.parameters:
+            places[effect.id, parameter.name] = size
+            size += 1
+    constants = {f'P_{name}': index for index, name in enumerate(NAMES)}
+    constants.update(CONSTANTS)
+    shafts = [effect.id for effect in effects.values() if effect.slot == 'shaft_compliance']
+    constants['ON_SHAFT'] = flags[shafts[0]] if shafts else len(flags)
+    lines = [f'{name} = {value!r}' for name, value in constants.items()]
+    template = inspect.getsource(kernel_template).splitlines()
+    head = template.index('import math') + 1
+    body = []
+    for line in template[head:]:
+        body.append(line)
+        mark = line.strip()
+        if not mark.startswith('# slot '):
+            continue
+        slot = mark[len('# slot '):]
+        indent = line[:len(line) - len(line.lstrip())]
+        variable = {'load_torque': 'load_torque_extra'}.get(slot, slot)
+        for effect in effects.values():
+            if effect.slot == slot:
+                call = ', '.join(f'p[{places[effect.id, name]}]'
+                                 if (effect.id, name) in places else name
+                                 for name in effect.arguments)
+                body += [f'{indent}if on[{flags[effect.id]}]:',
+                         f'{indent}    {variable} += effect_{effect.id}({call})']
+    text = '\n'.join(['# Generated from kernel_template.py and the catalogue of effects.',
+                      *template[:head], '', *lines, '', *body, ''])
+    return text, places, flags, size
+
+
+@lru_cache(maxsize=4)
+def kernel(compiled: bool | None = None) -> Kernel:
+    """
+    Return the code for all effects of the catalogue.
+
+    Parameters
+    ----------
+    compiled : bool, optional
+        True compiles with numba, False runs plain Python; by default numba is used if present.
+
+    """
+    effects = catalogue()
+    if compiled is None:
+        compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+    text, places, flags, size = generate(effects)
+    module = _compiled(text, effects) if compiled else _plain(text, effects)
+    return Kernel(module.simulate, module.derivatives, places, flags, size, text, compiled)
+
+
+def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
+    name = 'hst_drive_kernel_plain'
+    module = types.ModuleType(name)
+    module.__dict__.update({f'effect_{key}': effect.function for key, effect in effects.items()})
+    filename = f'<{name}>'
+    linecache.cache[filename] = (len(text), None, text.splitlines(True), filename)
+    exec(compile(text, filename, 'exec'), module.__dict__)
+    return module
+
+
+def cache_folder() -> Path:
+    """Return the folder for generated code: HST_DRIVE_CACHE, the user's cache, or a private one."""
+    base = os.environ.get('HST_DRIVE_CACHE') or os.path.join(
+        os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'), 'hst_drive')
+    folder = Path(base)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = tempfile.TemporaryFile(dir=folder)
+        probe.close()
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix='hst_drive_'))
+    return folder
+
+
+def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
+    """Write the code with its effects into one file and import that, so that numba can cache."""
+    parts = ['import numba', '', text]
+    for key, effect in effects.items():
+        parts.append(_function_source(effect, f'effect_{key}'))
+    parts.append('\n'.join(
+        f'{name} = numba.njit(cache=True, error_model="numpy")({name})' for name in (
+            *(f'effect_{key}' for key in effects), 'interpolate', 'interpolate2', 'smooth_sign',
+            'balances', 'derivatives', 'simulate')))
+    source = '\n\n'.join(parts) + '\n'
+    import numba
+    digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]
+    name = f'hst_drive_kernel_{digest}'
+    if name in sys.modules:
+        return sys.modules[name]
+    path = cache_folder() / f'{name}.py'
+    if not path.exists():
+        handle, draft = tempfile.mkstemp(dir=path.parent, suffix='.py')
+        with os.fdopen(handle, 'w', encoding='utf-8') as file:
+            file.write(source)
+        os.replace(draft, path)
+    spec = importlib.util.spec_from_file_location(name, path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _function_source(effect: Effect, name: str) -> str:
+    """Return the effect's function as text under another name, with the names that it uses."""
+    function = effect.function
+    source = inspect.cleandoc('\n' + inspect.getsource(function))
+    head, _, rest = source.partition('(')
+    if not head.startswith('def '):
+        raise ValueError(f"effect '{effect.id}': its function must be a plain 'def'")
+    used = {key: function.__globals__[key] for key in function.__code__.co_names
+            if isinstance(function.__globals__.get(key), (int, float))}
+    constants = [f'{name}_{key} = {value!r}' for key, value in used.items()]
+    body = f'def {name}({rest}'
+    for key in used:
+        body = _rename(body, key, f'{name}_{key}')
+    return '\n'.join([*constants, body])
+
+
+def _rename(text: str, old: str, new: str) -> str:
+    import re
+    return re.sub(rf'\b{re.escape(old)}\b', new, text)

@@ -1,0 +1,184 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole drive: a rig, the effects that are switched on, and its motion in time."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Mapping
+
+import numpy as np
+
+from hst_drive.effects import catalogue
+from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.errors import InputError
+from hst_drive.model.compose import kernel, OUTPUTS, STATES
+from hst_drive.model.parameters import baseline_parameters, baseline_tables, INDEX, SCALED
+from hst_drive.rig import Rig
+
+MAX_STEP = 2.5e-3   # s; halving it moves no reading by more than 1e-4 of its range
+
+
+class Drive:
+    """
+    Variable pump, oil volume, relief valve, hydromotor and loading unit.
+
+    Parameters
+    ----------
+    rig : Rig
+        All sections of the drive must be there. Effects that the rig has adopted are on.
+    effects : mapping of str to mapping of str to float, optional
+        More effects: id to parameters in SI; a parameter that is left out has its typical value.
+    max_step : float
+        Longest integration step, s.
+    compiled : bool, optional
+        Force numba (True) or plain Python (False).
+
+    Raises
+    ------
+    InputError
+        If a section of the rig is missing, or an effect or parameter is not known.
+
+    """
+
+    def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None, *,
+                 max_step: float = MAX_STEP, compiled: bool | None = None):
+        self.rig = rig
+        self.max_step = max_step
+        self.kernel = kernel(compiled)
+        self.tables = baseline_tables(rig) if rig.pump and rig.motor and rig.loading else ()
+        self.effects: dict[str, dict[str, float]] = {}
+        base = baseline_parameters(rig)
+        self.parameters = np.zeros(self.kernel.size)
+        self.parameters[:len(base)] = base
+        self.switches = np.zeros(len(self.kernel.flags) + 1, dtype=np.int8)
+        for name, effect in catalogue().items():
+            for parameter in effect.parameters:
+                self.parameters[self.kernel.places[name, parameter.name]] = parameter.neutral
+        for name, values in {**rig.effects, **(effects or {})}.items():
+            self.switch_on(name, values)
+        if rig.line.oil_grade not in GRADES:
+            raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
+                             f'{", ".join(GRADES)}')
+
+    def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
+        """Add an effect, or change its parameters (SI)."""
+        effects = catalogue()
+        if name not in effects:
+            near = get_close_matches(name, effects, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+            raise InputError(f"{self.rig.source or 'effects'}: unknown effect '{name}'; {hint}")
+        known = {parameter.name: parameter for parameter in effects[name].parameters}
+        for key in values or {}:
+            if key not in known:
+                raise InputError(f"{self.rig.source or 'effects'}: effect '{name}' has no "
+                                 f"parameter '{key}'; it has {', '.join(known)}")
+        chosen = {key: float((values or {}).get(key, parameter.typical))
+                  for key, parameter in known.items()}
+        for key, value in chosen.items():
+            self.parameters[self.kernel.places[name, key]] = value
+        self.switches[self.kernel.flags[name]] = 1
+        self.effects[name] = chosen
+
+    def scale(self, factors: Mapping[str, float]) -> None:
+        """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""
+        for key, factor in factors.items():
+            self.parameters[INDEX[SCALED[key]]] *= factor
+
+    def viscosity_ratio(self, oil_temperature):
+        """Return the oil's viscosity over the one at which the tables were measured."""
+        grade = self.rig.line.oil_grade
+        return viscosity(oil_temperature, grade) / viscosity(self.rig.characterised_at, grade)
+
+    def initial_state(self, *, pump_command: float = 0.0, pprv_command: float = 0.0,
+                      pressure: float | None = None, speed: float = 0.0) -> np.ndarray:
+        """
+        Return a state of the drive, at rest unless told otherwise.
+
+        Parameters
+        ----------
+        pump_command, pprv_command : float
+            V; the swash plate and the PPRV have settled on them.
+        pressure : float, optional
+            Pa; by default the PPRV's.
+        speed : float
+            Hydromotor, rad/s.
+
+        """
+        pprv_pressure = self.rig.loading.pprv_pressure(pprv_command)
+        scale = self.parameters[INDEX['displacement_scale']]
+        state = np.zeros(len(STATES))
+        state[:4] = (scale * self.rig.pump.displacement(pump_command),
+                     pprv_pressure if pressure is None else pressure, speed,
+                     self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
+        state[5] = state[7] = speed
+        state[8] = pump_command
+        return state
+
+    def simulate(self, time: np.ndarray, inputs: Mapping[str, np.ndarray],
+                 state: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """
+        Run the drive over a record.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            s, strictly rising.
+        inputs : mapping of str to ndarray, shape (n,)
+            'pump_command', 'pprv_command' (V), 'oil_temperature' (K, by default that of the
+            tables) and 'load_disturbance' (N.m, by default none). Commands hold until the next
+            sample; the disturbance moves on a straight line.
+        state : ndarray, optional
+            Where to start; at the end it holds the last state. By default at rest.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (n,)
+            Readings without noise by channel name, SI, and inner quantities (``OUTPUTS``). NaN
+            from where the motion left all bounds.
+
+        """
+        time = np.ascontiguousarray(time, dtype=float)
+        n = len(time)
+        commands = [np.ascontiguousarray(inputs[name], dtype=float)
+                    for name in ('pump_command', 'pprv_command')]
+        temperature = inputs.get('oil_temperature')
+        if temperature is None:
+            temperature = np.full(n, self.rig.characterised_at)
+        temperature = np.ascontiguousarray(temperature, dtype=float)
+        disturbance = inputs.get('load_disturbance')
+        if disturbance is None:
+            disturbance = np.zeros(n)
+        if state is None:
+            state = self.initial_state(pump_command=commands[0][0], pprv_command=commands[1][0])
+        out = np.empty((n, len(OUTPUTS)))
+        self.kernel.simulate(
+            time, *commands, temperature, self.viscosity_ratio(temperature),
+            np.ascontiguousarray(disturbance, dtype=float), state, self.parameters, self.switches,
+            self.tables, self.max_step, out)
+        readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
+        readings['motor_torque'] = readings['load_torque']
+        return readings
+
+    def advance(self, state: np.ndarray, duration: float, *, pump_command: float,
+                pprv_command: float, oil_temperature: float | None = None,
+                load_disturbance: float = 0.0) -> np.ndarray:
+        """Return the state after ``duration`` (s) with the inputs (V, V, K, N.m) held."""
+        state = state.copy()
+        self._two(state, duration, pump_command, pprv_command, oil_temperature, load_disturbance)
+        return state
+
+    def outputs(self, state: np.ndarray, *, pump_command: float, pprv_command: float,
+                oil_temperature: float | None = None,
+                load_disturbance: float = 0.0) -> dict[str, float]:
+        """Return the readings without noise in a state, SI, by the names of ``simulate``."""
+        readings = self._two(state.copy(), 1e-9, pump_command, pprv_command, oil_temperature,
+                             load_disturbance)
+        return {name: float(values[0]) for name, values in readings.items()}
+
+    def _two(self, state, duration, pump_command, pprv_command, oil_temperature, disturbance):
+        if oil_temperature is None:
+            oil_temperature = self.rig.characterised_at
+        inputs = {'pump_command': pump_command, 'pprv_command': pprv_command,
+                  'oil_temperature': oil_temperature, 'load_disturbance': disturbance}
+        return self.simulate(np.array([0.0, duration]),
+                             {name: np.full(2, value) for name, value in inputs.items()}, state)

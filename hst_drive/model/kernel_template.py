@@ -1,0 +1,298 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The drive as equations; ``compose`` turns this text into the code that runs.
+
+A line ``# slot NAME`` is where the terms of the effects enter: ``compose`` puts one guarded
+line per effect there. Everything is scalar, so that the same text runs in plain Python and
+compiled by numba. Without effects this file is the baseline, Eqs. (1) to (8) of the
+drill-drive paper.
+"""
+import math
+
+
+def interpolate(x, xs, ys):
+    """Look a value up in a table: linear, end values held."""
+    last = len(xs) - 1
+    if x <= xs[0]:
+        return ys[0]
+    if x >= xs[last]:
+        return ys[last]
+    i = 0
+    while x > xs[i + 1]:
+        i += 1
+    return ys[i] + (ys[i + 1] - ys[i]) * (x - xs[i]) / (xs[i + 1] - xs[i])
+
+
+def interpolate2(x, y, xs, ys, zs):
+    """Look a value up in a table over two variables: bilinear, end values held."""
+    x = min(max(x, xs[0]), xs[len(xs) - 1])
+    y = min(max(y, ys[0]), ys[len(ys) - 1])
+    i = 0
+    while i < len(xs) - 2 and x > xs[i + 1]:
+        i += 1
+    j = 0
+    while j < len(ys) - 2 and y > ys[j + 1]:
+        j += 1
+    s = (x - xs[i]) / (xs[i + 1] - xs[i])
+    t = (y - ys[j]) / (ys[j + 1] - ys[j])
+    low = zs[i, j] + (zs[i, j + 1] - zs[i, j]) * t
+    high = zs[i + 1, j] + (zs[i + 1, j + 1] - zs[i + 1, j]) * t
+    return low + (high - low) * s
+
+
+def smooth_sign(speed):
+    """Return the sign of a speed, smooth around standstill."""
+    if speed > SIGN_SATURATED:
+        return 1.0
+    if speed < -SIGN_SATURATED:
+        return -1.0
+    return math.tanh(speed / SIGN_WIDTH)
+
+
+def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
+             twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
+             p, on, tables):
+    """
+    Evaluate all balances at one instant.
+
+    Returns motor_flow, motor pressure, hydromotor torque, load torque, net pump flow, pump
+    speed, motor leakage, total compressibility, shaft torque, net relief flow.
+    """
+    motor_displacement = p[P_motor_displacement]
+    max_displacement = p[P_max_displacement]
+    bulk_modulus = p[P_bulk_modulus]
+    oil_density = p[P_oil_density]
+    relief_pressure = p[P_relief_set_pressure]
+    pistons = p[P_pistons]
+    characterised_at = p[P_characterised_at]
+    nominal_speed = p[P_pump_shaft_speed]
+    speed = abs(motor_speed)
+    direction = smooth_sign(motor_speed)
+    pump_leakage = p[P_pump_leakage_scale] * interpolate2(
+        pump_pressure, pump_command, tables[2], tables[3], tables[4])
+    pressure = pump_pressure
+    motor_leakage = p[P_motor_leakage_scale] * interpolate2(
+        pressure, speed, tables[5], tables[6], tables[7])
+    flow = motor_displacement * motor_speed + motor_leakage
+
+    line_drop = 0.0
+    # slot line_drop
+    if line_drop != 0.0:
+        pressure = pump_pressure - line_drop
+        motor_leakage = p[P_motor_leakage_scale] * interpolate2(
+            pressure, speed, tables[5], tables[6], tables[7])
+    motor_flow_loss = 0.0
+    # slot motor_flow_loss
+    motor_leakage_total = motor_leakage + motor_flow_loss
+    flow = motor_displacement * motor_speed + motor_leakage_total
+
+    pump_speed = nominal_speed
+    # slot pump_speed
+    pump_flow_loss = 0.0
+    # slot pump_flow_loss
+    relief_flow = 0.0
+    if pump_pressure > relief_pressure:
+        relief_flow = p[P_relief_gain] * math.sqrt(
+            max(pump_pressure - p[P_relief_reference_pressure], 0.0))
+    pump_flow = displacement * pump_speed - pump_leakage - pump_flow_loss - relief_flow
+
+    compliance = 1.0 / bulk_modulus
+    # slot compliance
+
+    back_pressure = 0.0
+    # slot back_pressure
+    efficiency = p[P_motor_efficiency_scale] * interpolate2(
+        pressure, speed, tables[8], tables[9], tables[10])
+    load_side_speed = motor_speed
+    if on[ON_SHAFT]:
+        load_side_speed = load_speed
+    load_direction = smooth_sign(load_side_speed)
+    load_pressure = pprv_pressure + p[P_pprv_override] * (
+        p[P_gear_ratio] * p[P_load_displacement] * abs(load_side_speed)
+        - p[P_pprv_reference_flow])
+    load_pressure = max(load_pressure, 0.0)
+    load_torque = load_pressure * p[P_load_displacement] * p[P_gear_ratio] / (
+        p[P_load_efficiency_scale] * interpolate(load_pressure, tables[11], tables[12]))
+    load_torque_extra = 0.0
+    # slot load_torque
+    load_torque = (load_torque + load_torque_extra) * load_direction + disturbance
+
+    motor_torque_loss = 0.0
+    # slot motor_torque_loss
+    motor_torque = 0.0
+    # slot motor_torque
+    motor_torque += (efficiency * (pressure - back_pressure) * motor_displacement
+                     - motor_torque_loss * direction)
+
+    shaft_torque = load_torque
+    shaft_compliance = 0.0
+    # slot shaft_compliance
+    if on[ON_SHAFT]:
+        shaft_torque = (twist + SHAFT_DAMPING_TIME * (motor_speed - load_speed)) / max(
+            shaft_compliance, 1e-9)
+    return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
+            motor_leakage_total, compliance, shaft_torque, relief_flow)
+
+
+def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
+                twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
+                viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, tables):
+    """Return the time derivatives of the eight states."""
+    (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
+     shaft_torque, relief_flow) = balances(
+        displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
+        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, tables)
+    displacement_rate = (target - displacement) / lag
+    if rate > 0.0:
+        displacement_rate = min(max(displacement_rate, -rate), rate)
+    pressure_rate = (pump_flow - flow) / (compliance * p[P_volume])
+    if pump_pressure <= CAVITATION_PRESSURE and pressure_rate < 0.0:
+        pressure_rate = 0.0
+    inertia = p[P_inertia]
+    load_acceleration = 0.0
+    twist_rate = 0.0
+    if on[ON_SHAFT]:
+        share = SHAFT_LOAD_SIDE_SHARE
+        acceleration = (motor_torque - shaft_torque) / (inertia * (1.0 - share))
+        load_acceleration = (shaft_torque - load_torque) / (inertia * share)
+        twist_rate = motor_speed - load_speed
+    else:
+        acceleration = (motor_torque - load_torque) / inertia
+    reading_rate = 0.0
+    if reading_lag > 0.0:
+        reading_rate = (motor_speed - reading) / reading_lag
+    return (displacement_rate, pressure_rate, acceleration,
+            (pprv_target - pprv_pressure) / p[P_pprv_lag], motor_speed, load_acceleration,
+            twist_rate, reading_rate)
+
+
+def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_ratios, disturbances,
+             state, p, on, tables, max_step, out):
+    """
+    Integrate over a record with the classical Runge-Kutta method of fourth order.
+
+    ``out[k]`` gets the readings at ``time[k]``; then the commands of sample k hold until
+    ``time[k + 1]`` while the disturbance moves on a straight line. The step is cut near
+    standstill and at the relief valve, where the equations are stiff. ``state`` is updated.
+    """
+    n = len(time)
+    displacement, pump_pressure, motor_speed, pprv_pressure = state[0], state[1], state[2], state[3]
+    motor_angle, load_speed, twist, reading, play = state[4], state[5], state[6], state[7], state[8]
+    nominal_speed = p[P_pump_shaft_speed]
+    max_displacement = p[P_max_displacement]
+    for k in range(n):
+        raw_command = pump_commands[k]
+        pprv_command = pprv_commands[k]
+        oil_temperature = oil_temperatures[k]
+        viscosity_ratio = viscosity_ratios[k]
+        disturbance = disturbances[k]
+        pump_command = raw_command
+        # slot pump_command
+        pump_play = 0.0
+        # slot pump_play
+        if pump_play > 0.0:
+            play = min(max(play, pump_command - 0.5 * pump_play), pump_command + 0.5 * pump_play)
+            pump_command = play
+        else:
+            play = pump_command
+        pump_lag = p[P_displacement_lag]
+        # slot pump_lag
+        pump_stroke_time = 0.0
+        # slot pump_stroke_time
+        rate = 0.0
+        if pump_stroke_time > 0.0:
+            rate = max_displacement / pump_stroke_time
+        speed_reading_lag = 0.0
+        # slot speed_reading_lag
+        if speed_reading_lag <= 0.0:
+            reading = motor_speed
+        target = p[P_displacement_scale] * interpolate(pump_command, tables[0], tables[1])
+        pprv_target = p[P_pprv_pressure_scale] * interpolate(
+            pprv_command, tables[13], tables[14])
+
+        (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
+         shaft_torque, relief_flow) = balances(
+            displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
+            twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
+            p, on, tables)
+        load_torque = shaft_torque
+        pressure_reading = pump_pressure
+        # slot pressure_reading
+        flow_reading = flow
+        # slot flow_reading
+        speed_reading = reading
+        # slot speed_reading
+        torque_reading = load_torque
+        # slot torque_reading
+        out[k, 0] = pressure_reading
+        out[k, 1] = flow_reading
+        out[k, 2] = speed_reading
+        out[k, 3] = torque_reading
+        out[k, 4] = displacement
+        out[k, 5] = pressure
+        out[k, 6] = leakage
+        out[k, 7] = pump_speed
+        out[k, 8] = motor_torque
+        out[k, 9] = pump_flow + relief_flow
+        out[k, 10] = relief_flow
+        out[k, 11] = pprv_pressure
+
+        if k == n - 1:
+            break
+        remaining = time[k + 1] - time[k]
+        interval = remaining
+        slope = (disturbances[k + 1] - disturbance) / interval
+        elapsed = 0.0
+        while remaining > 1e-12:
+            step = max_step
+            if abs(motor_speed) < STIFF_SPEED or pump_pressure > STIFF_PRESSURE_SHARE * p[
+                    P_relief_set_pressure] or on[ON_SHAFT]:
+                step = 0.1 * max_step
+            step = remaining / math.ceil(remaining / step - 1e-9)
+            h = 0.5 * step
+            d1 = disturbance + slope * elapsed
+            d2 = d1 + slope * h
+            d3 = d1 + slope * step
+            a = derivatives(
+                displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
+                twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
+                viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, tables)
+            b = derivatives(
+                displacement + h * a[0], pump_pressure + h * a[1], motor_speed + h * a[2],
+                pprv_pressure + h * a[3], motor_angle + h * a[4], load_speed + h * a[5],
+                twist + h * a[6], reading + h * a[7], target, pprv_target, pump_command,
+                pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
+                speed_reading_lag, p, on, tables)
+            c = derivatives(
+                displacement + h * b[0], pump_pressure + h * b[1], motor_speed + h * b[2],
+                pprv_pressure + h * b[3], motor_angle + h * b[4], load_speed + h * b[5],
+                twist + h * b[6], reading + h * b[7], target, pprv_target, pump_command,
+                pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
+                speed_reading_lag, p, on, tables)
+            d = derivatives(
+                displacement + step * c[0], pump_pressure + step * c[1],
+                motor_speed + step * c[2], pprv_pressure + step * c[3],
+                motor_angle + step * c[4], load_speed + step * c[5], twist + step * c[6],
+                reading + step * c[7], target, pprv_target, pump_command, pprv_command,
+                oil_temperature, viscosity_ratio, d3, pump_lag, rate, speed_reading_lag, p, on,
+                tables)
+            w = step / 6.0
+            displacement += w * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
+            pump_pressure += w * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
+            motor_speed += w * (a[2] + 2.0 * (b[2] + c[2]) + d[2])
+            pprv_pressure += w * (a[3] + 2.0 * (b[3] + c[3]) + d[3])
+            motor_angle += w * (a[4] + 2.0 * (b[4] + c[4]) + d[4])
+            load_speed += w * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
+            twist += w * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
+            reading += w * (a[7] + 2.0 * (b[7] + c[7]) + d[7])
+            pump_pressure = max(pump_pressure, CAVITATION_PRESSURE)
+            elapsed += step
+            remaining -= step
+        if not (abs(motor_speed) < 1e4 and abs(pump_pressure) < 1e11):
+            for i in range(k + 1, n):
+                for j in range(out.shape[1]):
+                    out[i, j] = math.nan
+            break
+    state[0], state[1], state[2], state[3] = displacement, pump_pressure, motor_speed, pprv_pressure
+    state[4], state[5], state[6], state[7], state[8] = motor_angle, load_speed, twist, reading, play

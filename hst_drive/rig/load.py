@@ -1,0 +1,296 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Strict loading of a rig file: every slip is one line that names file and key."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+import math
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from hst_drive.errors import InputError
+from hst_drive.resources import share
+from hst_drive.rig import rig as parts
+from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
+from hst_drive.rig.schema import (
+    Limits, Number, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES, Word)
+from hst_drive.units import difference_to_si, to_si, UnitError, UNITS
+
+_CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
+            'relief_valve': parts.ReliefValve, 'loading': parts.Loading,
+            'controller': parts.Controller}
+_TOP = (*SECTIONS, 'name', 'sensors', 'tolerances_1_sigma_relative',
+        'characterised_at_oil_temperature_degC', 'effects', 'calibration', 'provenance')
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe YAML that refuses a key written twice (plain YAML keeps the last, silently)."""
+
+
+def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict:
+    seen = set()
+    for key_node, _ in node.value:
+        key = loader.construct_object(key_node)
+        if key in seen:
+            raise yaml.constructor.ConstructorError(
+                None, None, f"key '{key}' is written twice; keep one", key_node.start_mark)
+        seen.add(key)
+    return yaml.SafeLoader.construct_mapping(loader, node, deep=True)
+
+
+_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+
+
+def read_yaml(path: str | Path) -> dict:
+    """
+    Read a YAML mapping.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not YAML or is not a mapping.
+
+    """
+    try:
+        content = yaml.load(Path(path).read_text(encoding='utf-8'), Loader=_Loader)
+    except OSError as error:
+        raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
+    except UnicodeDecodeError:
+        raise InputError(f'{path}: is not a text file; expected YAML') from None
+    except (yaml.YAMLError, RecursionError, ValueError) as error:
+        mark = getattr(error, 'problem_mark', None)
+        line = f' line {mark.line + 1}:' if mark else ''
+        problem = getattr(error, 'problem', None) or 'not YAML'
+        raise InputError(f'{path}:{line} {problem}; mend the YAML') from None
+    if not isinstance(content, dict):
+        raise InputError(f'{path}: found {type(content).__name__}, expected a mapping of '
+                         'keys to values')
+    return content
+
+
+def load_rig(path: str | Path) -> Rig:
+    """
+    Load a rig file.
+
+    Raises
+    ------
+    InputError
+        One line that names file and key and suggests the mend.
+
+    """
+    return parse_rig(read_yaml(path), str(path))
+
+
+def default_rig() -> Rig:
+    """Return the shipped test rig of the drill-drive paper."""
+    return load_rig(share('config', 'rig', 'test_rig.yaml'))
+
+
+def parse_rig(content: dict, source: str = 'rig') -> Rig:
+    """
+    Build a rig from the mapping of a rig file (keys carry their unit).
+
+    Raises
+    ------
+    InputError
+        Naming ``source`` and the key.
+
+    """
+    _known(content, _TOP, source, '')
+    sections = {key: _section(key, content[key], source) for key in SECTIONS if key in content}
+    if not sections:
+        raise InputError(f'{source}: no section of a rig found; expected at least one of '
+                         f'{", ".join(SECTIONS)}')
+    temperature = content.get('characterised_at_oil_temperature_degC', 50)
+    _number(temperature, -50, 200, source, 'characterised_at_oil_temperature_degC', 'degC')
+    return Rig(
+        name=str(content.get('name', Path(source).stem)), **sections,
+        sensors=_sensors(content.get('sensors', {}), source),
+        tolerances=_tolerances(content.get('tolerances_1_sigma_relative', {}), source),
+        characterised_at=to_si(float(temperature), 'degC'),
+        effects=_values(content.get('effects', {}), source, 'effects'),
+        calibration=_factors(content.get('calibration', {}), source),
+        provenance=content.get('provenance', {}) or {}, source=source)
+
+
+def _known(mapping, allowed, source: str, where: str) -> None:
+    if not isinstance(mapping, dict):
+        raise InputError(f"{source}: '{where}' is {mapping!r}, expected a mapping of keys")
+    for key in mapping:
+        if key in allowed:
+            continue
+        path = f'{where}.{key}' if where else str(key)
+        for name in allowed:
+            mend = _other_unit(str(key), name)
+            if mend:
+                raise InputError(f"{source}: '{path}' has the wrong unit; {mend}")
+        near = get_close_matches(str(key), allowed, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f'known: {", ".join(allowed)}'
+        raise InputError(f"{source}: unknown key '{path}'; {hint}")
+
+
+def _other_unit(key: str, name: str) -> str:
+    """Say how to write a key that names the right quantity in another unit."""
+    for suffix, unit in SUFFIXES.items():
+        stem = name[:-len(suffix) - 1]
+        if not name.endswith('_' + suffix) or not key.startswith(stem + '_'):
+            continue
+        found = SUFFIXES.get(key[len(stem) + 1:])
+        if found and UNITS[found].si == UNITS[unit].si:
+            factor = UNITS[found].factor / UNITS[unit].factor
+            return f"write it as '{name}' (value x {factor:.6g})"
+        return f"write it as '{name}'" if found else ''
+    return ''
+
+
+def _number(value, low: float, high: float, source: str, key: str, unit: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"{source}: '{key}' is {value!r}, expected a number in {unit}")
+    if not math.isfinite(value) or not low <= value <= high:
+        raise InputError(f"{source}: '{key}' is {value:g} {unit}, outside the physical range "
+                         f'{low:g} to {high:g} {unit}; check the value and its unit')
+    return float(value)
+
+
+def _section(name: str, content, source: str):
+    fields = SECTIONS[name]
+    _known(content, tuple(fields), source, name)
+    values = {}
+    for key, entry in fields.items():
+        path = f'{name}.{key}'
+        if key not in content:
+            if isinstance(entry, Number) and entry.optional:
+                continue
+            raise InputError(f"{source}: key '{path}' is missing; add it")
+        found = content[key]
+        if isinstance(entry, Number):
+            number = _number(found, entry.low, entry.high, source, path, entry.unit)
+            values[entry.attribute] = to_si(number, entry.unit)
+        elif isinstance(entry, Table):
+            values[entry.attribute] = _table(entry, found, source, path)
+        elif isinstance(entry, Limits):
+            values[entry.attribute] = _limits(found, source, path, entry.unit)
+        else:
+            if not isinstance(found, str):
+                raise InputError(f"{source}: '{path}' is {found!r}, expected a text")
+            values[entry.attribute] = found
+    if name == 'relief_valve':
+        values.setdefault('reference_pressure', values['set_pressure'])
+    if 'pistons' in values:
+        values['pistons'] = int(values['pistons'])
+    return _CLASSES[name](**values)
+
+
+def _limits(found, source: str, path: str, unit: str) -> tuple[float, float]:
+    if not isinstance(found, list) or len(found) != 2:
+        raise InputError(f"{source}: '{path}' is {found!r}, expected [low, high] in {unit}")
+    low, high = (to_si(_number(value, -1e9, 1e9, source, path, unit), unit) for value in found)
+    if not low < high:
+        raise InputError(f"{source}: '{path}' is {found}, expected low below high")
+    return low, high
+
+
+def _list(found, low: float, high: float, source: str, path: str, unit: str) -> np.ndarray:
+    if not isinstance(found, list) or len(found) < 2:
+        raise InputError(f"{source}: '{path}' is {found!r}, expected a list of at least 2 numbers")
+    return np.array([_number(value, low, high, source, f'{path}[{index}]', unit)
+                     for index, value in enumerate(found)])
+
+
+def _table(entry: Table, found, source: str, path: str) -> Curve | Surface:
+    keys = (*(key for key, _ in entry.axes), entry.value)
+    _known(found, keys, source, path)
+    for key in keys:
+        if key not in found:
+            raise InputError(f"{source}: key '{path}.{key}' is missing; add it")
+    axes = []
+    for key, unit in entry.axes:
+        axis = _list(found[key], -1e6, 1e6, source, f'{path}.{key}', unit)
+        fall = np.flatnonzero(np.diff(axis) <= 0)
+        if len(fall):
+            at = fall[0] + 1
+            raise InputError(f"{source}: '{path}.{key}[{at}]' is {axis[at]:g} after "
+                             f'{axis[at - 1]:g}; expected strictly rising values; sort the table')
+        axes.append(to_si(axis, unit))
+    key = f'{path}.{entry.value}'
+    if len(axes) == 1:
+        values = _list(found[entry.value], entry.low, entry.high, source, key, entry.unit)
+        if len(values) != len(axes[0]):
+            raise InputError(f"{source}: '{key}' has {len(values)} values, expected "
+                             f"{len(axes[0])} as in '{entry.axes[0][0]}'")
+        fall = np.flatnonzero(np.diff(values) < 0)
+        if entry.rising and len(fall):
+            raise InputError(f"{source}: '{key}[{fall[0] + 1}]' is {values[fall[0] + 1]:g} after "
+                             f'{values[fall[0]]:g}; expected values that do not fall')
+        return Curve(axes[0], to_si(values, entry.unit))
+    rows = found[entry.value]
+    if not isinstance(rows, list) or len(rows) != len(axes[0]):
+        count = len(rows) if isinstance(rows, list) else repr(rows)
+        raise InputError(f"{source}: '{key}' has {count} rows, expected {len(axes[0])}: one for "
+                         f"each value of '{entry.axes[0][0]}'")
+    grid = []
+    for index, row in enumerate(rows):
+        values = _list(row, entry.low, entry.high, source, f'{key}[{index}]', entry.unit)
+        if len(values) != len(axes[1]):
+            raise InputError(f"{source}: '{key}[{index}]' has {len(values)} values, expected "
+                             f"{len(axes[1])}: one for each value of '{entry.axes[1][0]}'")
+        grid.append(values)
+    return Surface(axes[0], axes[1], to_si(np.array(grid), entry.unit))
+
+
+def _sensors(found, source: str) -> dict[str, Sensor]:
+    _known(found, tuple(SENSOR_UNITS), source, 'sensors')
+    sensors = {}
+    for name, content in found.items():
+        suffix, unit = SENSOR_UNITS[name]
+        keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'range'))
+        where = f'sensors.{name}'
+        _known(content, keys, source, where)
+        if keys[0] not in content:
+            raise InputError(f"{source}: key '{where}.{keys[0]}' is missing; add it")
+        values = [difference_to_si(_number(content.get(key, 0), 0, 1e6, source,
+                                           f'{where}.{key}', unit), unit) for key in keys[:2]]
+        limits = None
+        if keys[2] in content:
+            limits = _limits(content[keys[2]], source, f'{where}.{keys[2]}', unit)
+        sensors[name] = Sensor(*values, limits)
+    return sensors
+
+
+def _tolerances(found, source: str) -> dict[str, float]:
+    where = 'tolerances_1_sigma_relative'
+    _known(found, TOLERANCES, source, where)
+    return {key: _number(value, 0, 0.5, source, f'{where}.{key}', '1')
+            for key, value in found.items()}
+
+
+def _factors(found, source: str) -> dict[str, float]:
+    _known(found, TOLERANCES, source, 'calibration')
+    return {key: _number(value, 0.1, 10, source, f'calibration.{key}', '1')
+            for key, value in found.items()}
+
+
+def _values(found, source: str, where: str) -> dict[str, dict[str, float]]:
+    """Read adopted effects, ``id: {parameter: value}``, numbers in SI or texts with a unit."""
+    if not isinstance(found, dict):
+        raise InputError(f"{source}: '{where}' is {found!r}, expected effects by id")
+    effects = {}
+    for name, content in found.items():
+        if not isinstance(content, dict):
+            raise InputError(f"{source}: '{where}.{name}' is {content!r}, expected parameters")
+        effects[str(name)] = {str(key): _quantity(value, source, f'{where}.{name}.{key}')
+                              for key, value in content.items()}
+    return effects
+
+
+def _quantity(value, source: str, key: str) -> float:
+    if isinstance(value, str):
+        number, _, unit = value.strip().partition(' ')
+        try:
+            return float(to_si(float(number), unit.strip()))
+        except (ValueError, UnitError):
+            raise InputError(f"{source}: '{key}' is {value!r}, expected a number with its unit, "
+                             "as '12 N.m'") from None
+    return _number(value, -1e30, 1e30, source, key, 'SI')

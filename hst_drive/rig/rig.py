@@ -1,0 +1,203 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The numbers of a rig in SI.
+
+A rig file may describe a part only (a hydromotor on a bench): the sections it leaves out are
+None, and what needs them says so.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hst_drive.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """
+    A table over one variable, linear between its points, end values held outside.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (n,)
+        Strictly rising abscissa and values, SI.
+
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+
+    def __call__(self, x):
+        return np.interp(x, self.x, self.y)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """
+    A table over two variables, bilinear between its points, end values held outside.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (n,) and (m,)
+        Strictly rising abscissae, SI.
+    z : ndarray, shape (n, m)
+        Values, SI.
+
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+
+    def __call__(self, x, y):
+        i, s = _cell(self.x, x)
+        j, t = _cell(self.y, y)
+        z = self.z
+        return ((1 - s) * ((1 - t) * z[i, j] + t * z[i, j + 1])
+                + s * ((1 - t) * z[i + 1, j] + t * z[i + 1, j + 1]))
+
+
+def _cell(grid: np.ndarray, value) -> tuple[np.ndarray, np.ndarray]:
+    """Return the index of the cell and the place inside it, 0 to 1."""
+    value = np.clip(value, grid[0], grid[-1])
+    index = np.clip(np.searchsorted(grid, value, side='right') - 1, 0, len(grid) - 2)
+    return index, (value - grid[index]) / (grid[index + 1] - grid[index])
+
+
+@dataclass(frozen=True)
+class Pump:
+    """Variable displacement pump: rad/s, m^3/rad over V, s, m^3/s over (Pa, V)."""
+
+    shaft_speed: float
+    max_displacement: float
+    displacement: Curve
+    displacement_lag: float
+    leakage: Surface
+
+
+@dataclass(frozen=True)
+class Motor:
+    """Hydromotor: m^3/rad, kg.m^2 (all that turns with it), m^3/s and 1 over (Pa, rad/s)."""
+
+    displacement: float
+    inertia: float
+    leakage: Surface
+    mechanical_efficiency: Surface
+    pistons: int = 7
+
+
+@dataclass(frozen=True)
+class Line:
+    """The oil between pump and hydromotor: Pa, m^3, kg/m^3 and the oil's ISO grade."""
+
+    bulk_modulus: float
+    volume: float
+    oil_density: float
+    oil_grade: str
+
+
+@dataclass(frozen=True)
+class ReliefValve:
+    """
+    Pressure relief valve: Pa, Pa, 1, m^2.
+
+    The drill-drive paper's Eq. (2) opens at 200 bar but takes the root of ``P - 100``: the flow
+    would jump. Both pressures are parameters; equal ones, the default, give a steady flow.
+    """
+
+    set_pressure: float
+    reference_pressure: float
+    discharge_coefficient: float
+    area: float
+
+
+@dataclass(frozen=True)
+class Loading:
+    """Loading unit: 1, m^3/rad, 1 over Pa, Pa over V, s, Pa.s/m^3, m^3/s."""
+
+    gear_ratio: float
+    pump_displacement: float
+    pump_mechanical_efficiency: Curve
+    pprv_pressure: Curve
+    pprv_lag: float
+    pprv_override: float
+    pprv_reference_flow: float
+
+
+@dataclass(frozen=True)
+class Controller:
+    """PI law: V.s/rad, V/rad, s, V."""
+
+    kp: float
+    ki: float
+    sample_time: float
+    output_limits: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """Standard deviation of the noise, step of the reading and range, all in SI."""
+
+    noise_std: float
+    resolution: float = 0.0
+    range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Rig:
+    """
+    A rig, or a part of one.
+
+    Attributes
+    ----------
+    name : str
+        Title for people.
+    pump, motor, line, relief_valve, loading, controller : objects or None
+        Sections; None where the file leaves a part out.
+    sensors : dict of str to Sensor
+        By channel name.
+    tolerances : dict of str to float
+        One-sigma relative scatter between units of this make, by 'section.quantity'.
+    characterised_at : float
+        Oil temperature at which the tables were measured, K.
+    effects : dict of str to dict
+        Adopted effects: id to parameter values in SI.
+    provenance : dict
+        Where effects and calibration came from; for people and for refusals.
+    source : str
+        File the rig was read from.
+
+    """
+
+    name: str
+    pump: Pump | None = None
+    motor: Motor | None = None
+    line: Line | None = None
+    relief_valve: ReliefValve | None = None
+    loading: Loading | None = None
+    controller: Controller | None = None
+    sensors: dict[str, Sensor] = field(default_factory=dict)
+    tolerances: dict[str, float] = field(default_factory=dict)
+    characterised_at: float = 323.15
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    calibration: dict[str, float] = field(default_factory=dict)
+    provenance: dict = field(default_factory=dict)
+    source: str = ''
+
+    def require(self, *sections: str, purpose: str) -> None:
+        """
+        Check that the rig has these sections.
+
+        Raises
+        ------
+        InputError
+            Naming the file, the missing section and what needs it.
+
+        """
+        for section in sections:
+            if getattr(self, section) is None:
+                raise InputError(f"{self.source or self.name}: section '{section}' is missing; "
+                                 f'{purpose} needs it; add it to the rig file')

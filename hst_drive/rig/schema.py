@@ -1,0 +1,130 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which keys a rig file has, in which unit, and what is physically possible.
+
+A key carries its unit as a suffix (``shaft_speed_rpm``). This table is all that the loader
+knows of a rig; ranges are wide: they catch slips of the unit, not unusual machines.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Number(NamedTuple):
+    """A scalar: attribute of the section, unit in the file, plausible range in that unit."""
+
+    attribute: str
+    unit: str
+    low: float
+    high: float
+    optional: bool = False
+
+
+class Table(NamedTuple):
+    """
+    A table: attribute, axes (key, unit), value key, unit and plausible range.
+
+    ``rising`` where the drive inverts the table, so that its values must not fall.
+    """
+
+    attribute: str
+    axes: tuple[tuple[str, str], ...]
+    value: str
+    unit: str
+    low: float
+    high: float
+    rising: bool = False
+
+
+class Limits(NamedTuple):
+    """A pair low, high."""
+
+    attribute: str
+    unit: str
+
+
+class Word(NamedTuple):
+    """A text."""
+
+    attribute: str
+
+
+_PRESSURE = ('pressure_bar', 'bar')
+_COMMAND = ('command_V', 'V')
+_SPEED = ('speed_rpm', 'rpm')
+
+SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
+    'pump': {
+        'shaft_speed_rpm': Number('shaft_speed', 'rpm', 50, 20000),
+        'max_displacement_cc_rev': Number('max_displacement', 'cc/rev', 0.1, 5000),
+        'displacement_vs_command': Table(
+            'displacement', (_COMMAND,), 'displacement_cc_rev', 'cc/rev', 0, 5000, True),
+        'displacement_lag_s': Number('displacement_lag', 's', 1e-4, 10),
+        'leakage_L_min': Table(
+            'leakage', (_PRESSURE, _COMMAND), 'table', 'L/min', 0, 500),
+    },
+    'motor': {
+        'displacement_cc_rev': Number('displacement', 'cc/rev', 0.1, 50000),
+        'inertia_total_kg_m2': Number('inertia', 'kg.m^2', 1e-6, 1e5),
+        'leakage_L_min': Table('leakage', (_PRESSURE, _SPEED), 'table', 'L/min', 0, 500),
+        'mechanical_efficiency': Table(
+            'mechanical_efficiency', (_PRESSURE, _SPEED), 'table', '1', 0.01, 1),
+        'pistons': Number('pistons', '1', 3, 101, optional=True),
+    },
+    'line': {
+        'bulk_modulus_Pa': Number('bulk_modulus', 'Pa', 1e7, 5e9),
+        'volume_m3': Number('volume', 'm^3', 1e-7, 10),
+        'oil_density_kg_m3': Number('oil_density', 'kg/m^3', 500, 2000),
+        'oil_grade': Word('oil_grade'),
+    },
+    'relief_valve': {
+        'set_pressure_bar': Number('set_pressure', 'bar', 1, 1500),
+        'reference_pressure_bar': Number('reference_pressure', 'bar', 0, 1500, optional=True),
+        'discharge_coefficient': Number('discharge_coefficient', '1', 0.1, 1),
+        'area_m2': Number('area', 'm^2', 1e-9, 1e-2),
+    },
+    'loading': {
+        'gear_ratio': Number('gear_ratio', '1', 0.01, 1000),
+        'pump_displacement_cc_rev': Number('pump_displacement', 'cc/rev', 0.1, 5000),
+        'pump_mechanical_efficiency': Table(
+            'pump_mechanical_efficiency', (_PRESSURE,), 'efficiency', '1', 0.01, 1),
+        'pprv_pressure_vs_command': Table(
+            'pprv_pressure', (_COMMAND,), 'pressure_bar', 'bar', 0, 1500, True),
+        'pprv_lag_s': Number('pprv_lag', 's', 1e-4, 10),
+        'pprv_override_bar_per_L_min': Number('pprv_override', 'bar/(L/min)', 0, 1000),
+        'pprv_reference_flow_L_min': Number('pprv_reference_flow', 'L/min', 0, 10000),
+    },
+    'controller': {
+        'kp_V_per_rad_s': Number('kp', 'V.s/rad', 0, 1000),
+        'ki_V_per_rad': Number('ki', 'V/rad', 0, 1000),
+        'sample_time_s': Number('sample_time', 's', 1e-4, 10),
+        'output_limits_V': Limits('output_limits', 'V'),
+    },
+}
+
+# Suffix of a sensor's keys by channel.
+SENSOR_UNITS: dict[str, tuple[str, str]] = {
+    'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),
+    'motor_inlet_flow': ('L_min', 'L/min'), 'case_drain_flow': ('L_min', 'L/min'),
+    'motor_speed': ('rpm', 'rpm'), 'pump_speed': ('rpm', 'rpm'),
+    'load_torque': ('N_m', 'N.m'), 'motor_torque': ('N_m', 'N.m'),
+    'oil_temperature': ('K', 'K'), 'pump_displacement': ('cc_rev', 'cc/rev'),
+}
+
+# What a unit of the same make may differ in: the quantity's name and what it scales.
+TOLERANCES: tuple[str, ...] = (
+    'motor.displacement', 'motor.inertia', 'line.bulk_modulus', 'pump.displacement_vs_command',
+    'pump.displacement_lag', 'pump.leakage', 'motor.leakage', 'motor.mechanical_efficiency',
+    'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
+    'loading.pprv_override',
+)
+
+# Written suffix -> unit of the table in units.py, to recognise a key in another unit.
+SUFFIXES: dict[str, str] = {
+    'rpm': 'rpm', 'rad_s': 'rad/s', 'cc_rev': 'cc/rev', 'm3_rad': 'm^3/rad', 'bar': 'bar',
+    'Pa': 'Pa', 'psi': 'psi', 'MPa': 'MPa', 'kPa': 'kPa', 'L_min': 'L/min', 'm3_s': 'm^3/s',
+    'V': 'V', 'mV': 'mV', 's': 's', 'ms': 'ms', 'N_m': 'N.m', 'kg_m2': 'kg.m^2', 'm2': 'm^2',
+    'mm2': 'mm^2', 'm3': 'm^3', 'L': 'L', 'K': 'K', 'kg_m3': 'kg/m^3', 'in3_rev': 'in^3/rev',
+    'bar_per_L_min': 'bar/(L/min)', 'V_per_rad_s': 'V.s/rad', 'V_per_rad': 'V/rad',
+}
