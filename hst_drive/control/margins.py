@@ -142,6 +142,9 @@ class Loop:
             step[n + 1] = command
             for k in range(1, m):
                 step[n + 1 + k, n + k] = 1.0
+        if ki == 0.0:
+            # Without integral action its state stands still, outside the loop.
+            step = np.delete(np.delete(step, n, axis=0), n, axis=1)
         return np.linalg.eigvals(step)
 
     def margins(self, kp: float, ki: float) -> Margins:

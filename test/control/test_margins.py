@@ -17,8 +17,9 @@ def linear_drive(leakage=2.0e-12, efficiency=0.88, override=0.4e5 * 6e4, load_ef
     """
     Return the test rig linearised by hand from the paper's balances and the datasheet.
 
-    States pump displacement, pressure, speed; input V, output rad/s. Slopes: pump table 3.3 cc/rev/V behind 0.06 s, flow balance, torque balance with the load
-    that rises with speed through the PPRV's override.
+    States: pump displacement, pressure, speed; input V, output rad/s. Slopes: pump table
+    3.3 cc/rev/V behind 0.06 s, flow balance, torque balance with a load that rises with speed
+    through the PPRV's override.
     """
     table, lag, pump_speed = 3.3e-6 / REV, 0.06, 1450.0 * REV / 60.0
     motor, inertia, stiffness = 195e-6 / REV, 0.35, 1.2e9 / 0.9e-3
