@@ -24,7 +24,7 @@ from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
 from hst_drive.model import kernel_template
-from hst_drive.model.parameters import NAMES
+from hst_drive.model.parameters import NAMES, TABLES
 
 CONSTANTS = {
     'SIGN_WIDTH': 0.15,               # rad/s, smooth sign of friction and load torques
@@ -76,6 +76,7 @@ def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
             places[effect.id, parameter.name] = size
             size += 1
     constants = {f'P_{name}': index for index, name in enumerate(NAMES)}
+    constants.update({f'T_{name}': index for index, name in enumerate(TABLES)})
     constants.update(CONSTANTS)
     shafts = [effect.id for effect in effects.values() if effect.slot == 'shaft_compliance']
     constants['ON_SHAFT'] = flags[shafts[0]] if shafts else len(flags)

@@ -45,9 +45,9 @@ class Drive:
         self.rig = rig
         self.max_step = max_step
         self.kernel = kernel(compiled)
-        self.tables = baseline_tables(rig) if rig.pump and rig.motor and rig.loading else ()
         self.effects: dict[str, dict[str, float]] = {}
         base = baseline_parameters(rig)
+        self.tables = baseline_tables(rig)
         self.parameters = np.zeros(self.kernel.size)
         self.parameters[:len(base)] = base
         self.switches = np.zeros(len(self.kernel.flags) + 1, dtype=np.int8)
@@ -154,7 +154,7 @@ class Drive:
         self.kernel.simulate(
             time, *commands, temperature, self.viscosity_ratio(temperature),
             np.ascontiguousarray(disturbance, dtype=float), state, self.parameters, self.switches,
-            self.tables, self.max_step, out)
+            *self.tables, self.max_step, out)
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
         readings['motor_torque'] = readings['load_torque']
         return readings

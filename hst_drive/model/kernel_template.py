@@ -11,33 +11,43 @@ drill-drive paper.
 import math
 
 
-def interpolate(x, xs, ys):
-    """Look a value up in a table: linear, end values held."""
-    last = len(xs) - 1
-    if x <= xs[0]:
-        return ys[0]
-    if x >= xs[last]:
-        return ys[last]
-    i = 0
-    while x > xs[i + 1]:
+def interpolate(x, number, values, layout):
+    """Look a value up in a table over one variable: linear, end values held."""
+    start = layout[number, 0]
+    last = layout[number, 1] - 1
+    shift = layout[number, 2] - start
+    if x <= values[start]:
+        return values[start + shift]
+    if x >= values[start + last]:
+        return values[start + last + shift]
+    i = start
+    while x > values[i + 1]:
         i += 1
-    return ys[i] + (ys[i + 1] - ys[i]) * (x - xs[i]) / (xs[i + 1] - xs[i])
+    low = values[i + shift]
+    return low + (values[i + 1 + shift] - low) * (x - values[i]) / (values[i + 1] - values[i])
 
 
-def interpolate2(x, y, xs, ys, zs):
+def interpolate2(x, y, number, values, layout):
     """Look a value up in a table over two variables: bilinear, end values held."""
-    x = min(max(x, xs[0]), xs[len(xs) - 1])
-    y = min(max(y, ys[0]), ys[len(ys) - 1])
-    i = 0
-    while i < len(xs) - 2 and x > xs[i + 1]:
+    i = layout[number, 0]
+    last = i + layout[number, 1] - 1
+    x = min(max(x, values[i]), values[last])
+    row = layout[number, 4]
+    columns = layout[number, 3]
+    while i < last - 1 and x > values[i + 1]:
         i += 1
-    j = 0
-    while j < len(ys) - 2 and y > ys[j + 1]:
+        row += columns
+    j = layout[number, 2]
+    shift = row - j
+    last = j + columns - 1
+    y = min(max(y, values[j]), values[last])
+    while j < last - 1 and y > values[j + 1]:
         j += 1
-    s = (x - xs[i]) / (xs[i + 1] - xs[i])
-    t = (y - ys[j]) / (ys[j + 1] - ys[j])
-    low = zs[i, j] + (zs[i, j + 1] - zs[i, j]) * t
-    high = zs[i + 1, j] + (zs[i + 1, j + 1] - zs[i + 1, j]) * t
+    s = (x - values[i]) / (values[i + 1] - values[i])
+    t = (y - values[j]) / (values[j + 1] - values[j])
+    low = values[j + shift] + (values[j + shift + 1] - values[j + shift]) * t
+    shift += columns
+    high = values[j + shift] + (values[j + shift + 1] - values[j + shift]) * t
     return low + (high - low) * s
 
 
@@ -52,7 +62,7 @@ def smooth_sign(speed):
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
              twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
-             p, on, tables):
+             p, on, values, layout):
     """
     Evaluate all balances at one instant.
 
@@ -70,10 +80,10 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     speed = abs(motor_speed)
     direction = smooth_sign(motor_speed)
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
-        pump_pressure, pump_command, tables[2], tables[3], tables[4])
+        pump_pressure, pump_command, T_PUMP_LEAKAGE, values, layout)
     pressure = pump_pressure
     motor_leakage = p[P_motor_leakage_scale] * interpolate2(
-        pressure, speed, tables[5], tables[6], tables[7])
+        pressure, speed, T_MOTOR_LEAKAGE, values, layout)
     flow = motor_displacement * motor_speed + motor_leakage
 
     line_drop = 0.0
@@ -81,7 +91,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     if line_drop != 0.0:
         pressure = pump_pressure - line_drop
         motor_leakage = p[P_motor_leakage_scale] * interpolate2(
-            pressure, speed, tables[5], tables[6], tables[7])
+            pressure, speed, T_MOTOR_LEAKAGE, values, layout)
     motor_flow_loss = 0.0
     # slot motor_flow_loss
     motor_leakage_total = motor_leakage + motor_flow_loss
@@ -103,7 +113,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     back_pressure = 0.0
     # slot back_pressure
     efficiency = p[P_motor_efficiency_scale] * interpolate2(
-        pressure, speed, tables[8], tables[9], tables[10])
+        pressure, speed, T_MOTOR_EFFICIENCY, values, layout)
     load_side_speed = motor_speed
     if on[ON_SHAFT]:
         load_side_speed = load_speed
@@ -113,7 +123,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         - p[P_pprv_reference_flow])
     load_pressure = max(load_pressure, 0.0)
     load_torque = load_pressure * p[P_load_displacement] * p[P_gear_ratio] / (
-        p[P_load_efficiency_scale] * interpolate(load_pressure, tables[11], tables[12]))
+        p[P_load_efficiency_scale] * interpolate(load_pressure, T_LOAD_EFFICIENCY, values, layout))
     load_torque_extra = 0.0
     # slot load_torque
     load_torque = (load_torque + load_torque_extra) * load_direction + disturbance
@@ -137,12 +147,12 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
 def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
                 twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
-                viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, tables):
+                viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, values, layout):
     """Return the time derivatives of the eight states."""
     (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
      shaft_torque, relief_flow) = balances(
         displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
-        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, tables)
+        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values, layout)
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -rate), rate)
@@ -168,7 +178,7 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
 
 
 def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_ratios, disturbances,
-             state, p, on, tables, max_step, out):
+             state, p, on, values, layout, max_step, out):
     """
     Integrate over a record with the classical Runge-Kutta method of fourth order.
 
@@ -207,15 +217,15 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         # slot speed_reading_lag
         if speed_reading_lag <= 0.0:
             reading = motor_speed
-        target = p[P_displacement_scale] * interpolate(pump_command, tables[0], tables[1])
+        target = p[P_displacement_scale] * interpolate(pump_command, T_DISPLACEMENT, values, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
-            pprv_command, tables[13], tables[14])
+            pprv_command, T_PPRV_PRESSURE, values, layout)
 
         (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
          shaft_torque, relief_flow) = balances(
             displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
             twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
-            p, on, tables)
+            p, on, values, layout)
         load_torque = shaft_torque
         pressure_reading = pump_pressure
         # slot pressure_reading
@@ -257,26 +267,26 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             a = derivatives(
                 displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
                 twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
-                viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, tables)
+                viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, values, layout)
             b = derivatives(
                 displacement + h * a[0], pump_pressure + h * a[1], motor_speed + h * a[2],
                 pprv_pressure + h * a[3], motor_angle + h * a[4], load_speed + h * a[5],
                 twist + h * a[6], reading + h * a[7], target, pprv_target, pump_command,
                 pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
-                speed_reading_lag, p, on, tables)
+                speed_reading_lag, p, on, values, layout)
             c = derivatives(
                 displacement + h * b[0], pump_pressure + h * b[1], motor_speed + h * b[2],
                 pprv_pressure + h * b[3], motor_angle + h * b[4], load_speed + h * b[5],
                 twist + h * b[6], reading + h * b[7], target, pprv_target, pump_command,
                 pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
-                speed_reading_lag, p, on, tables)
+                speed_reading_lag, p, on, values, layout)
             d = derivatives(
                 displacement + step * c[0], pump_pressure + step * c[1],
                 motor_speed + step * c[2], pprv_pressure + step * c[3],
                 motor_angle + step * c[4], load_speed + step * c[5], twist + step * c[6],
                 reading + step * c[7], target, pprv_target, pump_command, pprv_command,
                 oil_temperature, viscosity_ratio, d3, pump_lag, rate, speed_reading_lag, p, on,
-                tables)
+                values, layout)
             w = step / 6.0
             displacement += w * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
             pump_pressure += w * (a[1] + 2.0 * (b[1] + c[1]) + d[1])

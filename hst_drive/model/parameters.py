@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from hst_drive.rig import Rig
+from hst_drive.rig import Curve, Rig
 
 NAMES: tuple[str, ...] = (
     'pump_shaft_speed', 'max_displacement', 'displacement_lag', 'displacement_scale',
@@ -32,6 +32,8 @@ SCALED: dict[str, str] = {
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
 }
+TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
+                           'LOAD_EFFICIENCY', 'PPRV_PRESSURE')
 INDEX: dict[str, int] = {name: index for index, name in enumerate(NAMES)}
 SECTIONS = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 
@@ -70,14 +72,30 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
     return np.array([values[name] for name in NAMES])
 
 
-def baseline_tables(rig: Rig) -> tuple[np.ndarray, ...]:
-    """Return the tables in the order in which the kernel reads them."""
+def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
+    """
+    Return the tables in one vector, and where each lies in it.
+
+    Returns
+    -------
+    values : ndarray
+        All abscissae and values, one after another.
+    layout : ndarray of int, shape (tables, 5)
+        Place and length of the first axis, place and length of the second (place of the values
+        and 0 for a table over one variable), place of the values; rows as in ``TABLES``.
+
+    """
     pump, motor, loading = rig.pump, rig.motor, rig.loading
-    return tuple(np.ascontiguousarray(array, dtype=float) for array in (
-        pump.displacement.x, pump.displacement.y,
-        pump.leakage.x, pump.leakage.y, pump.leakage.z,
-        motor.leakage.x, motor.leakage.y, motor.leakage.z,
-        motor.mechanical_efficiency.x, motor.mechanical_efficiency.y,
-        motor.mechanical_efficiency.z,
-        loading.pump_mechanical_efficiency.x, loading.pump_mechanical_efficiency.y,
-        loading.pprv_pressure.x, loading.pprv_pressure.y))
+    tables = (pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
+              loading.pump_mechanical_efficiency, loading.pprv_pressure)
+    values, layout, end = [], [], 0
+    for table in tables:
+        parts = (table.x, table.y) if isinstance(table, Curve) else (table.x, table.y, table.z)
+        places = [end]
+        for part in parts:
+            values.append(np.ravel(part))
+            end += part.size
+            places.append(end)
+        layout.append((places[0], len(table.x), places[1], len(table.y) if len(parts) == 3 else 0,
+                       places[len(parts) - 1]))
+    return np.concatenate(values).astype(float), np.array(layout, dtype=np.int64)
