@@ -1,0 +1,133 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Signals with stamps of their own, brought to one time base.
+
+The base is the stamps of the densest signal. The others are read between their samples as their
+channel is held (commands stay, analogue signals move on a straight line), never beyond their
+ends, and not across gaps.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from hst_drive.errors import InputError
+from hst_drive.measure.run import CHANNELS, Run
+import numpy as np
+
+MIN_ROWS = 10
+"""Fewer samples than this are no recording."""
+GAP_PERIODS = 5.0
+"""A signal is missing between samples that lie further apart than this many periods."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One channel as recorded: stamps (ns) and SI values."""
+
+    channel: str
+    stamps: np.ndarray
+    values: np.ndarray
+
+
+def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], source: str,
+               notes: Sequence[str], rows: str = 'rows') -> Run:
+    """
+    Check a recording and return it; channels without a single number are left out.
+
+    Raises
+    ------
+    InputError
+        If there are too few rows or no channel with numbers.
+
+    """
+    notes = list(notes)
+    if len(time) < MIN_ROWS:
+        raise InputError(f'{source}: only {len(time)} {rows} of data; a recording needs at least '
+                         f'{MIN_ROWS}')
+    kept = {}
+    for channel, values in channels.items():
+        missing = int(np.count_nonzero(~np.isfinite(values)))
+        if missing == len(values):
+            notes.append(f'{channel}: no numbers in it; left out')
+            continue
+        if missing:
+            values = np.where(np.isfinite(values), values, np.nan)
+            notes.append(f'{channel}: {missing} of {len(values)} samples missing')
+        kept[channel] = values
+    if not kept:
+        raise InputError(f'{source}: none of its channels holds a number')
+    return Run(name, time, kept, source, tuple(notes))
+
+
+def in_order(signal: Signal, notes: list[str]) -> Signal:
+    """Return the signal with rising stamps and without NaN, noting what was done."""
+    stamps, values = signal.stamps, signal.values
+    if len(stamps) and not np.all(np.diff(stamps) > 0):
+        order = np.argsort(stamps, kind='stable')
+        turned = int(np.count_nonzero(np.diff(stamps) < 0))
+        stamps, values = stamps[order], values[order]
+        first = np.concatenate(([True], np.diff(stamps) > 0))
+        if turned:
+            notes.append(f'{signal.channel}: {turned} messages came out of order; sorted')
+        if not first.all():
+            notes.append(f'{signal.channel}: {np.count_nonzero(~first)} messages with a repeated '
+                         'stamp; the first of each kept')
+        stamps, values = stamps[first], values[first]
+    return Signal(signal.channel, stamps, values)
+
+
+def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = ()) -> Run:
+    """
+    Bring signals to one time base that begins at 0 s.
+
+    Raises
+    ------
+    InputError
+        If there are too few samples.
+
+    """
+    notes = list(notes)
+    ordered = [in_order(signal, notes) for signal in signals]
+    base = max(ordered, key=lambda signal: len(signal.stamps))
+    channels = {}
+    moved = []
+    for signal in ordered:
+        if np.array_equal(signal.stamps, base.stamps):
+            channels[signal.channel] = signal.values
+        else:
+            channels[signal.channel] = sample(signal, base.stamps)
+            moved.append(signal.channel)
+    if moved:
+        notes.append(f'{", ".join(moved)}: read at the stamps of {base.channel}')
+    start = base.stamps[0] if len(base.stamps) else 0
+    return finish_run(name, (base.stamps - start) / 1e9, channels, source, notes, 'messages')
+
+
+def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:
+    """
+    Return a signal's values at other stamps (ns, rising); NaN outside it and in gaps.
+
+    Held signals stay for up to ``GAP_PERIODS`` of their longer spacings (90th percentile), so
+    that a command that is sent only when it changes is not taken for one with gaps.
+    """
+    good = ~np.isnan(signal.values)
+    own, values = signal.stamps[good], signal.values[good]
+    if not len(own):
+        return np.full(len(stamps), np.nan)
+    before = np.searchsorted(own, stamps, side='right') - 1
+    inside = before >= 0
+    before = np.maximum(before, 0)
+    if CHANNELS[signal.channel].hold == 'zero':
+        if len(own) == 1:
+            return np.where(inside, values[0], np.nan)
+        limit = GAP_PERIODS * np.percentile(np.diff(own), 90)
+        return np.where(inside & (stamps - own[before] <= limit), values[before], np.nan)
+    after = np.minimum(before + (stamps > own[before]), len(own) - 1)
+    inside &= stamps <= own[-1]
+    span = own[after] - own[before]
+    limit = GAP_PERIODS * np.median(np.diff(own)) if len(own) > 1 else 0.0
+    weight = (stamps - own[before]) / np.maximum(span, 1)
+    between = values[before] + weight * (values[after] - values[before])
+    return np.where(inside & (span <= limit), between, np.nan)

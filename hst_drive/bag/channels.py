@@ -1,0 +1,182 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Channel maps: foreign column or topic names, fields and units to ours.
+
+A map is a YAML file (``config/channels_example.yaml``)::
+
+    channels:
+      pump_outlet_pressure: {from: P_pump, unit: psi}
+      motor_inlet_pressure: {from: /rig/p2.fluid_pressure}
+      motor_speed: {from: '/rig/motor/state.velocity[0]', unit: rad/s}
+      load_torque: {from: '/joint_states.effort[drill]', scale: -1}
+      pump_command: {from: AI3, unit: V, scale: 2.0, offset: -0.05}
+      oil_temperature: T_oil[degF]
+    time: {from: t, unit: ms}
+    namespace: /rig1/drive
+
+* The keys of ``channels`` are our names; ``from`` is a column of a CSV file (with or without its
+  unit in brackets), or a topic, a dot and the path of a field. An element of an array is
+  written ``[0]``, or ``[name]`` where the message has an array ``name``, as JointState has.
+* ``unit``: of the number as recorded, after scale and offset. It may be left out where the
+  column's header or the message's definition (FluidPressure, Temperature, JointState) says it.
+* ``scale``, ``offset``: value = scale * recorded + offset, before the unit counts.
+* ``absolute: true``: the pressure is absolute; 101325 Pa are taken off. FluidPressure is
+  absolute unless the map says ``absolute: false``.
+* ``time`` names the time column of a CSV file; ``namespace`` picks one of several drives in a
+  bag. What the map does not name is looked for under our own names.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+import os
+from typing import Any, NamedTuple
+
+from hst_drive.bag.topics import ATMOSPHERE
+from hst_drive.errors import InputError
+from hst_drive.measure.run import CHANNELS
+from hst_drive.units import canonical, parse_header, si_unit, to_si, UnitError
+import yaml
+
+_KEYS = ('from', 'unit', 'scale', 'offset', 'absolute')
+_TOP = ('channels', 'time', 'namespace')
+
+
+class Entry(NamedTuple):
+    """Where one channel comes from; ``unit`` and ``absolute`` are None where not given."""
+
+    channel: str
+    source: str
+    unit: str | None = None
+    scale: float = 1.0
+    offset: float = 0.0
+    absolute: bool | None = None
+
+    def topic_and_path(self) -> tuple[str, str]:
+        """Split ``/topic.path`` at the first dot; the path is '' if there is none."""
+        topic, _, path = self.source.partition('.')
+        return topic, path
+
+    def to_si(self, raw, unit: str, absolute: bool = False):
+        """
+        Convert recorded numbers to the channel's SI values.
+
+        ``unit`` and ``absolute`` count where the map leaves them open.
+        """
+        value = to_si(self.scale * raw + self.offset, self.unit or unit)
+        taken = absolute if self.absolute is None else self.absolute
+        return value - ATMOSPHERE if taken else value
+
+
+@dataclass(frozen=True)
+class ChannelMap:
+    """Entries by channel (``'time'`` for the time column), and the file that they come from."""
+
+    entries: Mapping[str, Entry] = field(default_factory=dict)
+    time: Entry | None = None
+    namespace: str | None = None
+    source: str = ''
+
+
+def load_channel_map(path: str | os.PathLike[str]) -> ChannelMap:
+    """
+    Read a channel map.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or anything in it is not understood; names file and key.
+
+    """
+    try:
+        with open(path, encoding='utf-8') as file:
+            data = yaml.safe_load(file)
+    except OSError as error:
+        raise InputError(f'{path}: channel map cannot be read: {error.strerror}') from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f'{path}: channel map is not YAML: {error}') from None
+    return parse_channel_map(data, str(path))
+
+
+def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
+    """Return the channel map that a parsed YAML document means; errors as in the loader."""
+    if not isinstance(data, dict) or not data:
+        raise InputError(f'{source}: expected a mapping with the key "channels"')
+    for key in data:
+        if key not in _TOP:
+            raise InputError(f'{source}: unknown key {key!r}{_near(key, _TOP)}')
+    channels = data.get('channels') or {}
+    if not isinstance(channels, dict):
+        raise InputError(f'{source}: channels must map our names to columns or topics')
+    entries = {}
+    for name, value in channels.items():
+        if name not in CHANNELS:
+            raise InputError(f'{source}: channels.{name}: no such channel'
+                             f'{_near(str(name), CHANNELS)} Known: {", ".join(CHANNELS)}')
+        entries[name] = _entry(name, value, f'{source}: channels.{name}', CHANNELS[name].unit)
+    time = data.get('time')
+    namespace = data.get('namespace')
+    if namespace is not None and not (isinstance(namespace, str) and namespace.startswith('/')):
+        raise InputError(f'{source}: namespace must be a name that begins with /, '
+                         f'found {namespace!r}')
+    return ChannelMap(entries, None if time is None else _entry(
+        'time', time, f'{source}: time', 's'), namespace, source)
+
+
+def _entry(name: str, value: Any, where: str, si: str) -> Entry:
+    if isinstance(value, str):
+        value = {'from': value}
+    if not isinstance(value, dict) or not isinstance(value.get('from'), str) \
+            or not value['from'].strip():
+        raise InputError(f'{where}: expected {{from: COLUMN or /topic.field, unit: ...}}, '
+                         f'found {value!r}')
+    for key in value:
+        if key not in _KEYS:
+            raise InputError(f'{where}: unknown key {key!r}{_near(str(key), _KEYS)}')
+    numbers = []
+    for key, default in (('scale', 1.0), ('offset', 0.0)):
+        number = value.get(key, default)
+        if isinstance(number, bool) or not isinstance(number, (int, float)):
+            raise InputError(f'{where}.{key}: expected a number, found {number!r}')
+        numbers.append(float(number))
+    if numbers[0] == 0.0:
+        raise InputError(f'{where}.scale: 0 would wipe the signal out')
+    absolute = value.get('absolute')
+    if absolute is not None and (not isinstance(absolute, bool) or si != 'Pa'):
+        raise InputError(f'{where}.absolute: only for pressures, true or false')
+    unit = value.get('unit')
+    return Entry(name, value['from'].strip(), None if unit is None else check_unit(
+        str(unit), si, f'{where}.unit'), *numbers, absolute)
+
+
+def check_unit(unit: str, si: str, where: str) -> str:
+    """
+    Return a unit in the table's spelling if it has the dimension of ``si``.
+
+    Raises
+    ------
+    InputError
+        Otherwise; ``where`` begins the text.
+
+    """
+    try:
+        if si_unit(unit) == si:
+            return canonical(unit)
+    except UnitError as error:
+        raise InputError(f'{where}: {error}') from None
+    raise InputError(f'{where}: [{unit}] is a unit of another quantity; expected one like [{si}]')
+
+
+def split_header(text: str) -> tuple[str, str | None]:
+    """Return name and unit of a column header; None where it names no unit."""
+    try:
+        return parse_header(text)
+    except UnitError:
+        return text.strip(), None
+
+
+def _near(word: str, known) -> str:
+    near = get_close_matches(word, list(known), n=1)
+    return f'; did you mean {near[0]!r}?' if near else '.'
