@@ -1,0 +1,215 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+CSV recordings: one column per channel, ``name[unit]`` in the header.
+
+The unit in the header counts. Separators are comma, semicolon (with decimal point or comma) or
+tab; lines that begin with # and empty lines do not count; an empty cell is a missing sample.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+import csv
+from difflib import get_close_matches
+import os
+from pathlib import Path
+
+from hst_drive.bag.align import finish_run
+from hst_drive.bag.channels import ChannelMap, check_unit, Entry, split_header
+from hst_drive.errors import InputError
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.units import canonical, from_si, UnitError
+import numpy as np
+
+_MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
+
+
+def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap()) -> Run:
+    """
+    Read a CSV recording.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used; names file and row or column.
+
+    """
+    lines, rows = _lines(Path(path))
+    separator = _separator(lines[0])
+    header = [cell.strip() for cell in next(csv.reader([lines[0]], delimiter=separator))]
+    while header and not header[-1]:
+        header.pop()
+    notes: list[str] = []
+    picks = _picks(header, channel_map, str(path), notes)
+    if len(lines) == 1:
+        raise InputError(f'{path}: has a header but no rows of data')
+    columns = _parse(lines[1:], rows[1:], separator, header,
+                     [column for column, _, _ in picks], str(path))
+    values = [entry.to_si(columns[:, index], unit)
+              for index, (_, entry, unit) in enumerate(picks)]
+    _check_time(values[0], rows[1:], str(path))
+    return finish_run(Path(path).stem, values[0], {
+        entry.channel: column for (_, entry, _), column in zip(picks[1:], values[1:])},
+        str(path), notes)
+
+
+def write_csv(path: str | os.PathLike[str], run: Run) -> None:
+    """Write a recording with the units of the field; nine digits, missing samples empty."""
+    units = {name: CHANNELS[name].display for name in run.channels}
+    table = np.column_stack([run.time] + [from_si(run[name], unit)
+                                          for name, unit in units.items()])
+    with open(path, 'w', encoding='utf-8', newline='\n') as file:
+        file.write(','.join(['time[s]'] + [f'{name}[{unit}]' for name, unit in units.items()]))
+        file.write('\n')
+        pattern = ','.join(['%.12g'] + ['%.9g'] * len(units)) + '\n'
+        text = ''.join(pattern % tuple(row) for row in table.tolist())
+        file.write(text.replace('nan', ''))
+
+
+def _lines(path: Path) -> tuple[list[str], list[int]]:
+    """Return the lines that count, and their numbers in the file."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f'{path}: cannot be read: {error.strerror}') from None
+    if not data.strip():
+        raise InputError(f'{path}: the file is empty')
+    if b'\0' in data[:4096]:
+        if data[:2] not in (b'\xff\xfe', b'\xfe\xff'):
+            raise InputError(f'{path}: not a CSV file (binary content); expected CSV, .mcap or a '
+                             'rosbag2 folder')
+        text = data.decode('utf-16', 'replace')
+    else:
+        try:
+            text = data.decode('utf-8-sig')
+        except UnicodeDecodeError:
+            text = data.decode('latin-1')
+    lines = text.splitlines()
+    rows = [number for number, line in enumerate(lines, 1)
+            if line.strip() and not line.lstrip().startswith('#')]
+    if not rows:
+        raise InputError(f'{path}: the file holds only comments')
+    if len(rows) != len(lines):
+        lines = [lines[number - 1] for number in rows]
+    return lines, rows
+
+
+def _separator(header: str) -> str:
+    outside = ''.join(header.split('"')[::2])
+    return max((',', ';', '\t'), key=outside.count)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace(',', '.'))
+    except ValueError:
+        return False
+    return True
+
+
+def _picks(header: list[str], channel_map: ChannelMap, path: str,
+           notes: list[str]) -> list[tuple[int, Entry, str]]:
+    """Return column, entry and unit of the time and of each channel."""
+    if all(map(_is_number, header)):
+        raise InputError(f'{path}: the first line holds numbers, no header; expected e.g. '
+                         'time[s],pump_command[V],motor_speed[rpm]')
+    names = [split_header(cell)[0] for cell in header]
+    wanted = [channel_map.time or Entry('time', 'time')]
+    wanted += channel_map.entries.values()
+    wanted += [Entry(name, name) for name in names
+               if name in CHANNELS and name not in channel_map.entries]
+    picks = []
+    for entry in wanted:
+        column = _column(entry, header, names, path, channel_map.source)
+        picks.append((column, entry, _unit(entry, header[column], path)))
+    if len(picks) == 1:
+        near = [f'{name} ({match[0]}?)' for name in names
+                if (match := get_close_matches(name, CHANNELS, n=1))]
+        raise InputError(f'{path}: none of its columns is known: {", ".join(near or names)}; '
+                         'name the ones to use in a channel map: --channels MAP.yaml')
+    used = {column for column, _, _ in picks}
+    for column, name in enumerate(names):
+        if column not in used:
+            near = get_close_matches(name, CHANNELS, n=1, cutoff=0.8)
+            notes.append(f'column {name!r} is not known; left out'
+                         + (f' (did you mean {near[0]!r}?)' if near else ''))
+    return picks
+
+
+def _column(entry: Entry, header: list[str], names: list[str], path: str, source: str) -> int:
+    for known in (header, names):
+        if known.count(entry.source) > 1:
+            raise InputError(f'{path}: column {entry.source!r} comes twice')
+        if entry.source in known:
+            return known.index(entry.source)
+    if source and entry.source != 'time':
+        near = get_close_matches(entry.source, [*header, *names], n=1)
+        hint = f'; did you mean {near[0]!r}?' if near else ''
+        raise InputError(f'{source}: {entry.channel}: {path} has no column {entry.source!r}{hint}')
+    raise InputError(f'{path}: has no column time[s]; its columns are {", ".join(header)}')
+
+
+def _unit(entry: Entry, cell: str, path: str) -> str:
+    if entry.unit:
+        return entry.unit
+    si = 's' if entry.channel == 'time' else CHANNELS[entry.channel].unit
+    name, bracket, unit = cell.partition('[')
+    if not bracket:
+        example = 's' if entry.channel == 'time' else CHANNELS[entry.channel].display
+        raise InputError(f'{path}: column {cell!r} has no unit; write it as '
+                         f'{name.strip()}[{example}]')
+    try:
+        canonical(unit.rstrip(' ]'))
+    except UnitError as error:
+        raise InputError(f'{path}: column {cell!r}: {error}') from None
+    return check_unit(unit.rstrip(' ]'), si, f'{path}: column {cell!r}')
+
+
+def _parse(lines: list[str], rows: list[int], separator: str, header: list[str],
+           columns: list[int], path: str) -> np.ndarray:
+    """Return the numbers of the chosen columns, shape (rows, columns)."""
+    comma = separator != ',' and any(',' in line for line in lines[:1000])
+    plain = lines
+    if comma:
+        plain = [line.replace(',', '.') for line in lines]
+    separators = {line.count(separator) for line in plain}
+    if separators == {len(header) - 1}:
+        try:
+            return np.loadtxt(plain, delimiter=separator, usecols=columns, ndmin=2, comments=None)
+        except ValueError:
+            pass
+    return _parse_slowly(plain, rows, separator, header, columns, path)
+
+
+def _parse_slowly(lines: list[str], rows: list[int], separator: str, header: list[str],
+                  columns: list[int], path: str) -> np.ndarray:
+    """Do the same cell by cell: for missing samples, quotes, and to say what is wrong."""
+    out = np.empty((len(lines), len(columns)))
+    for index, cells in enumerate(csv.reader(lines, delimiter=separator)):
+        while len(cells) > len(header) and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != len(header):
+            raise InputError(f'{path}: row {rows[index]} has {len(cells)} cells, the header '
+                             f'{len(header)}')
+        for place, column in enumerate(columns):
+            try:
+                out[index, place] = float(cells[column])
+            except ValueError:
+                cell = cells[column].strip()
+                if cell.lower() not in _MISSING:
+                    raise InputError(f'{path}: row {rows[index]}, column {header[column]!r}: '
+                                     f'expected a number, found {cell[:40]!r}') from None
+                out[index, place] = np.nan
+    return out[:index + 1]
+
+
+def _check_time(time: np.ndarray, rows: list[int], path: str) -> None:
+    bad = np.flatnonzero(~np.isfinite(time))
+    if len(bad):
+        raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite')
+    back = np.flatnonzero(np.diff(time) <= 0)
+    if len(back):
+        at = back[0]
+        what = 'runs back' if time[at + 1] < time[at] else 'stands still'
+        raise InputError(f'{path}: row {rows[at + 1]}: the time {what} ({time[at]:.9g} s, then '
+                         f'{time[at + 1]:.9g} s); expected rising time stamps')
