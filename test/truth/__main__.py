@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write one campaign to a folder: `python -m test.truth --seed 3 --effects line_loss --out DIR`."""
+"""Write one campaign: `python -m test.truth --seed 3 --effects line_loss --out DIR`."""
 
 import argparse
 

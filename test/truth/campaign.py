@@ -15,9 +15,10 @@ from . import catalogue, profiles, sensors, unit
 from .kernel import OUT, run
 from .terms import record
 
-STATE_OF = {'motor_speed': 'w', 'motor_inlet_flow': 'q_motor', 'load_torque': 'torque',
-         'pump_outlet_pressure': 'p1', 'motor_inlet_pressure': 'p2', 'pump_displacement': 'd_pump',
-         'pump_speed': 'w_pump', 'case_drain_flow': 'q_drain', 'pump_command': 'u'}
+STATE_OF = {
+    'motor_speed': 'w', 'motor_inlet_flow': 'q_motor', 'load_torque': 'torque',
+    'pump_outlet_pressure': 'p1', 'motor_inlet_pressure': 'p2', 'pump_displacement': 'd_pump',
+    'pump_speed': 'w_pump', 'case_drain_flow': 'q_drain', 'pump_command': 'u'}
 
 
 @dataclass
@@ -90,12 +91,16 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
     command : dict
         Log name to {'setpoint' rpm, 'manual' V, 'pprv' V, 'closed'} per ms, replaces the drawn.
     """
-    chosen = catalogue.resolve(effects or {}, np.random.default_rng([seed, 2]))
     if sheet is None:
         sheet = unit.datasheet() if rig_seed is None else unit.other_rig(rig_seed)
     factor = unit.scatter(sheet, np.random.default_rng([seed, 3]), on_datasheet)
     tabs = unit.tables(sheet, factor)
     values = unit.numbers(sheet, factor)
+    torque_scale = sheet['motor']['displacement_cc_rev'] / 195
+    flow_scale = sheet['pump']['max_displacement_cc_rev'] / 28
+    speed_scale = flow_scale / torque_scale
+    chosen = catalogue.resolve(effects or {}, np.random.default_rng([seed, 2]),
+                               (torque_scale, flow_scale, speed_scale))
     flat = {name: 0.0 for name in catalogue.parameters()}
     flat.update({f'f_{name}': 0.0 for name in catalogue.ALL})
     for name, one in chosen.items():
@@ -111,8 +116,6 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
                                 for k, v in one['si_parameters'].items()},
               'form': {k: one['form'] for one in chosen.values()
                        for k in one['si_parameters']}}
-    torque_scale = values['d_motor'] / (195 * unit.CC)
-    speed_scale = values['w_pump'] * values['d_pump_max'] / values['d_motor'] / 21.80
     measured, exact = {}, {}
     for name in logs:
         here = np.random.default_rng([seed, 10 + profiles.LOGS.index(name)])
@@ -125,7 +128,7 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
         rough = profiles.roughness(n, here, roughness * torque_scale)
         sigma = sensors.noise_of(sheet, 'motor_speed')[0] * noise
         tick_noise = here.standard_normal((n + 9) // 10) * sigma
-        setpoint = do['setpoint'] * unit.RPM * (speed_scale if rig_seed is not None else 1.0)
+        setpoint = do['setpoint'] * unit.RPM * speed_scale
         out = run(numbers, *tabs, setpoint, do['manual'], do['closed'], do['pprv'], grid_temp,
                   visc, rough, tick_noise * unit.RPM, profiles.QUANTUM)
         states = {key: out[:, i] for i, key in enumerate(OUT)}

@@ -74,7 +74,7 @@ EFFECTS: dict[str, Effect] = {
     'line_loss': _e('torque', 'laminar_turbulent blasius',
                     {'r_lam': 3.6e8, 'r_turb': 2.88e12}, Q),
     'back_pressure': _e('torque', 'constant flow_dependent', {'p_back': 4e5}, W),
-    'piston_ripple': _e('torque', 'sine rectified', {'ripple': 0.05}, P, {'pistons': 7.0}),
+    'piston_ripple': _e('torque', 'sine rectified', {'ripple': 0.02}, P, {'pistons': 7.0}),
     'shaft_compliance': _e('torque', 'linear hardening', {'stiffness': 320.0}, L,
                            {'shaft_damping': 0.9}, inverse=('stiffness',)),
     'gearbox_loss': _e('load', 'proportional affine', {'gear_loss': 0.06}, L),
@@ -100,6 +100,15 @@ OUTSIDE: dict[str, Effect] = {
 }
 
 ALL = {**EFFECTS, **OUTSIDE}
+# how a typical size goes with the rig's torque, flow and speed (exponents), for other rigs
+SCALES = {
+    't_coul': (1, 0, 0), 't_strib': (1, 0, 0), 't_warm': (1, 0, 0), 't_band': (1, 0, 0),
+    'b_visc': (1, 0, -1), 'b_hydro': (1, 0, -2), 'shaft_damping': (1, 0, -1),
+    'stiffness': (1, 0, 0), 'w_strib': (0, 0, 1), 'w_band': (0, 0, 1), 'w_width': (0, 0, 1),
+    'g_pump': (0, 1, 0), 'g_motor': (0, 1, 0), 'g_crack': (0, 1, 0), 'g_command': (0, 1, 0),
+    'g_angle': (0, 1, 0), 'droop': (0, -1, 0), 'rate_limit': (0, 1, 0), 'r_lam': (0, -1, 0),
+    'r_turb': (0, -2, 0),
+}
 TEMPERATURE = ('leakage_temperature', 'temperature_friction', 'pressure_sensor_drift')
 
 
@@ -108,11 +117,12 @@ def parameters() -> list[str]:
     return [name for effect in ALL.values() for name in (*effect.typical, *effect.fixed)]
 
 
-def resolve(effects: dict, rng) -> dict[str, dict]:
+def resolve(effects: dict, rng, scale: tuple[float, float, float]) -> dict[str, dict]:
     """
     Turn {id: relative size, or {'size', 'form'}} into sizes, forms and SI parameters.
 
-    A form that is not given is drawn with `rng` (numpy Generator).
+    A form that is not given is drawn with `rng` (numpy Generator). `scale` is the rig's torque,
+    flow and speed relative to the test rig's.
 
     Raises
     ------
@@ -134,6 +144,9 @@ def resolve(effects: dict, rng) -> dict[str, dict]:
         values = {k: v / size if k in effect.inverse else v * size
                   for k, v in effect.typical.items()}
         values.update(effect.fixed)
+        for key in values:
+            for base, power in zip(scale, SCALES.get(key, (0, 0, 0))):
+                values[key] *= base ** power
         values.update({k: float(v) for k, v in asked.get('parameters', {}).items()})
         chosen[name] = {'size': size, 'form': form, 'si_parameters': values,
                         'enters': effect.enters, 'depends_on': list(effect.depends_on)}

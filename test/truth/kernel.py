@@ -14,8 +14,9 @@ from math import copysign, pi
 
 import numpy as np
 
-from .terms import (curve, friction, hose_drop, jit, load_factor, motor_leak, pump_compression,
-                    pump_leak, relief, ripple, sign_slope, surface, volume_modulus)
+from .terms import (curve, friction, friction_sign, hose_drop, jit, load_factor,
+                    motor_leak, pump_compression, pump_leak, relief, ripple, sign_slope, surface,
+                    volume_modulus)
 from .unit import P_STEP, P_TOP, U_STEP, W_STEP, W_TOP
 
 STEP = 0.25e-3
@@ -182,22 +183,25 @@ def run(numbers, tabs_d, tabs_lp, tabs_lm, tabs_em, tabs_el, tabs_pv, setpoint, 
             raw = pl * p.d_load * p.gear / curve(tabs_el, pl, P_STEP)
             raw = load_factor(p, theta, raw) + rough[k]
             drag = friction(p, w, abs(t_motor), temperature[k])
-            sgn, sgn_slope = sign_slope(p, w)
+            sgn, sgn_slope = sign_slope(w)
+            sgf, sgf_slope = friction_sign(p, w)
             if p.stiffness > 0.0:
-                sgl, sgl_slope = sign_slope(p, wl)
+                sgl, sgl_slope = sign_slope(wl)
                 t_load = raw * sgl
-                bend = twist if p.f_shaft_compliance == 0.0 else twist * (0.6 + 1.6 * twist * twist)
+                bend = twist
+                if p.f_shaft_compliance == 1.0:
+                    bend = twist * (0.6 + 1.6 * twist * twist)
                 torque = p.stiffness * bend + p.shaft_damping * (w - wl)
                 j1, j2 = split * p.inertia, (1.0 - split) * p.inertia
-                w += h * (t_motor - drag * sgn - torque) / (
-                    j1 + h * (drag * sgn_slope + p.shaft_damping))
+                w += h * (t_motor - drag * sgf - torque) / (
+                    j1 + h * (drag * sgf_slope + p.shaft_damping))
                 wl += h * (torque - t_load) / (j2 + h * (abs(raw) * sgl_slope + p.shaft_damping))
                 twist += h * (w - wl)
             else:
                 t_load = raw * sgn
                 torque = t_load
-                w += h * (t_motor - drag * sgn - t_load) / (
-                    p.inertia + h * (drag + abs(raw)) * sgn_slope)
+                w += h * (t_motor - drag * sgf - t_load) / (
+                    p.inertia + h * (drag * sgf_slope + abs(raw) * sgn_slope))
             theta += h * w
             if p.speed_lag > 0.0:
                 lag = p.speed_lag if p.f_speed_sensor_lag == 0.0 else 0.5 * p.speed_lag

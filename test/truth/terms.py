@@ -168,14 +168,19 @@ def friction(p, w, w_torque, temperature):
 
 
 @jit
-def sign_slope(p, w):
+def sign_slope(w):
+    """Return the smooth sign of the load and its slope."""
+    s = tanh(w / 0.15)
+    return s, (1.0 - s * s) / 0.15
+
+
+@jit
+def friction_sign(p, w):
     """Return the smooth sign of friction and its slope."""
-    width = 0.15
     if p.f_bearing_friction == 2.0 and p.t_coul > 0.0:
-        s = 2.0 / pi * atan(pi / 2 * w / width)
-        return s, 1.0 / width / (1.0 + (pi / 2 * w / width) ** 2)
-    s = tanh(w / width)
-    return s, (1.0 - s * s) / width
+        x = pi / 2 * w / 0.15
+        return 2.0 / pi * atan(x), 1.0 / 0.15 / (1.0 + x * x)
+    return sign_slope(w)
 
 
 @jit

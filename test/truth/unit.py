@@ -13,7 +13,7 @@ import yaml
 BAR, L_MIN, RPM, CC = 1e5, 1e-3 / 60, np.pi / 30, 1e-6 / (2 * np.pi)
 P_STEP, U_STEP, W_STEP = 0.5e5, 0.05, 0.25
 P_TOP, U_TOP, W_TOP = 200e5, 10.0, 21.0
-DETAIL = 0.25     # weight of the smooth curve against the straight pieces between table points
+DETAIL, DETAIL_LOAD = 0.25, 0.1    # weight of a smooth curve against straight pieces
 
 
 def datasheet() -> dict:
@@ -57,10 +57,10 @@ def scatter(sheet: dict, rng: np.random.Generator, on_datasheet: bool) -> dict[s
             for name, sigma in sheet['tolerances_1_sigma_relative'].items()}
 
 
-def _curve(x: list, y: list, at: np.ndarray) -> np.ndarray:
+def _curve(x: list, y: list, at: np.ndarray, weight: float = DETAIL) -> np.ndarray:
     x, y = np.asarray(x, float), np.asarray(y, float)
     at = np.clip(at, x[0], x[-1])
-    return DETAIL * PchipInterpolator(x, y)(at) + (1 - DETAIL) * np.interp(at, x, y)
+    return weight * PchipInterpolator(x, y)(at) + (1 - weight) * np.interp(at, x, y)
 
 
 def _surface(x: list, y: list, table: list, at_x: np.ndarray, at_y: np.ndarray) -> np.ndarray:
@@ -90,9 +90,10 @@ def tables(sheet: dict, factor: dict[str, float]) -> tuple[np.ndarray, ...]:
         * factor['motor.leakage'],
         _surface(em['pressure_bar'], em['speed_rpm'], em['table'], p / BAR, w / RPM)
         * factor['motor.mechanical_efficiency'],
-        _curve(el['pressure_bar'], el['efficiency'], p / BAR)
+        _curve(el['pressure_bar'], el['efficiency'], p / BAR, DETAIL_LOAD)
         * factor['loading.pump_mechanical_efficiency'],
-        _curve(pv['command_V'], pv['pressure_bar'], u) * BAR * factor['loading.pprv_pressure'],
+        _curve(pv['command_V'], pv['pressure_bar'], u, DETAIL_LOAD) * BAR
+        * factor['loading.pprv_pressure'],
     )
 
 
