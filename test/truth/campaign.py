@@ -52,7 +52,8 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
                   sensor_filter: float = 0.0, delay: dict[str, float] | None = None,
                   noise: float = 1.0, roughness: float = 0.5,
                   logs: tuple[str, ...] = profiles.LOGS,
-                  command: dict[str, dict] | None = None) -> Campaign:
+                  command: dict[str, dict] | None = None,
+                  keep_exact: bool = True) -> Campaign:
     """
     Make the logs of one campaign.
 
@@ -90,6 +91,8 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
         Sensor noise relative to the datasheet; load roughness (N m, one sigma).
     command : dict
         Log name to {'setpoint' rpm, 'manual' V, 'pprv' V, 'closed'} per ms, replaces the drawn.
+    keep_exact : bool
+        False: do not keep the noise-free states (30 MB for four logs of 60 s).
     """
     if sheet is None:
         sheet = unit.datasheet() if rig_seed is None else unit.other_rig(rig_seed)
@@ -138,7 +141,8 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
                       speed_noise=tick_noise)
         times = sensors.sample_times(duration, rate_hz, jitter, here)
         measured[name] = sensors.sample(signal, times, sheet, shared, here, options)
-        exact[name] = states
+        if keep_exact:
+            exact[name] = states
     truth = {
         'effects': [n if n in catalogue.EFFECTS else f'unknown:{n}' for n in chosen],
         'si_parameters': shared['si_parameters'], 'unit_on_datasheet': on_datasheet,
@@ -158,8 +162,8 @@ def write_campaign(campaign: Campaign, folder: str | Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     for name, columns in campaign.logs.items():
         table = np.column_stack(list(columns.values()))
-        np.savetxt(folder / f'{name}.csv', table, fmt='%.6g' if len(table) < 10000 else '%.8g',
-                   delimiter=',', header=','.join(columns), comments='')
+        np.savetxt(folder / f'{name}.csv', table, fmt='%.9g', delimiter=',',
+                   header=','.join(columns), comments='')
     (folder / 'truth.json').write_text(json.dumps(campaign.truth, indent=1) + '\n')
     (folder / 'rig.yaml').write_text(yaml.safe_dump(campaign.sheet, sort_keys=False))
     return folder
