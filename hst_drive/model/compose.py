@@ -53,7 +53,7 @@ class Kernel(NamedTuple):
     """
 
     simulate: Callable
-    derivatives: Callable
+    load_record: Callable
     places: dict[tuple[str, str], int]
     flags: dict[str, int]
     size: int
@@ -120,7 +120,7 @@ def kernel(compiled: bool | None = None) -> Kernel:
         compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
     text, places, flags, size = generate(effects)
     module = _compiled(text, effects) if compiled else _plain(text, effects)
-    return Kernel(module.simulate, module.derivatives, places, flags, size, text, compiled)
+    return Kernel(module.simulate, module.load_record, places, flags, size, text, compiled)
 
 
 def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
@@ -155,7 +155,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     parts.append('\n'.join(
         f'{name} = numba.njit(cache=True, error_model="numpy")({name})' for name in (
             *(f'effect_{key}' for key in effects), 'interpolate', 'interpolate2', 'smooth_sign',
-            'balances', 'derivatives', 'simulate')))
+            'load_model', 'load_record', 'balances', 'derivatives', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
     import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]

@@ -89,6 +89,16 @@ class Drive:
         grade = self.rig.line.oil_grade
         return viscosity(oil_temperature, grade) / viscosity(self.rig.characterised_at, grade)
 
+    def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
+                    oil_temperature: np.ndarray) -> np.ndarray:
+        """Return the torque reading (N.m) that the load model gives at a recorded speed."""
+        out = np.empty(len(time))
+        self.kernel.load_record(
+            *(np.ascontiguousarray(values, dtype=float)
+              for values in (time, pprv_command, motor_speed, oil_temperature)),
+            self.parameters, self.switches, *self.tables, out)
+        return out
+
     def initial_state(self, *, pump_command: float = 0.0, pprv_command: float = 0.0,
                       pressure: float | None = None, speed: float = 0.0) -> np.ndarray:
         """

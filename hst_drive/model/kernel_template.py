@@ -60,6 +60,47 @@ def smooth_sign(speed):
     return math.tanh(speed / SIGN_WIDTH)
 
 
+def load_model(motor_speed, pprv_pressure, pprv_command, oil_temperature, motor_angle, p, on,
+               values, layout):
+    """Return the torque with which the loading unit brakes, Eq. (7) with the gear ratio."""
+    pistons = p[P_pistons]
+    pressure = pprv_pressure + p[P_pprv_override] * (
+        p[P_gear_ratio] * p[P_load_displacement] * abs(motor_speed) - p[P_pprv_reference_flow])
+    pressure = max(pressure, 0.0)
+    load_torque = pressure * p[P_load_displacement] * p[P_gear_ratio] / (
+        p[P_load_efficiency_scale] * interpolate(pressure, T_LOAD_EFFICIENCY, values, layout))
+    load_torque_extra = 0.0
+    # slot load_torque
+    return load_torque + load_torque_extra
+
+
+def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, values, layout, out):
+    """
+    Evaluate the load model over a record at the measured speed.
+
+    The PPRV's first-order lag is solved exactly for a command held between samples. ``out`` gets
+    what the torque sensor would read.
+    """
+    pprv_pressure = 0.0
+    motor_angle = 0.0
+    for k in range(len(time)):
+        target = p[P_pprv_pressure_scale] * interpolate(
+            pprv_commands[k], T_PPRV_PRESSURE, values, layout)
+        if k == 0:
+            pprv_pressure = target
+        load_torque = load_model(motor_speeds[k], pprv_pressure, pprv_commands[k],
+                                 oil_temperatures[k], motor_angle, p, on, values, layout)
+        load_torque *= smooth_sign(motor_speeds[k])
+        torque_reading = load_torque
+        # slot torque_reading
+        out[k] = torque_reading
+        if k < len(time) - 1:
+            interval = time[k + 1] - time[k]
+            pprv_pressure = target + (pprv_pressure - target) * math.exp(
+                -interval / p[P_pprv_lag])
+            motor_angle += motor_speeds[k] * interval
+
+
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
              twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
              p, on, values, layout):
@@ -118,21 +159,17 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     if on[ON_SHAFT]:
         load_side_speed = load_speed
     load_direction = smooth_sign(load_side_speed)
-    load_pressure = pprv_pressure + p[P_pprv_override] * (
-        p[P_gear_ratio] * p[P_load_displacement] * abs(load_side_speed)
-        - p[P_pprv_reference_flow])
-    load_pressure = max(load_pressure, 0.0)
-    load_torque = load_pressure * p[P_load_displacement] * p[P_gear_ratio] / (
-        p[P_load_efficiency_scale] * interpolate(load_pressure, T_LOAD_EFFICIENCY, values, layout))
-    load_torque_extra = 0.0
-    # slot load_torque
-    load_torque = (load_torque + load_torque_extra) * load_direction + disturbance
+    load_torque = load_model(load_side_speed, pprv_pressure, pprv_command, oil_temperature,
+                             motor_angle, p, on, values, layout) * load_direction
+    # What the model of the load does not explain brakes, too: it cannot move a drive at rest.
+    load_torque += disturbance * abs(load_direction)
 
     motor_torque_loss = 0.0
     # slot motor_torque_loss
     motor_torque = 0.0
     # slot motor_torque
-    motor_torque += (efficiency * (pressure - back_pressure) * motor_displacement
+    # A cavitating inlet neither drives nor brakes.
+    motor_torque += (efficiency * max(pressure - back_pressure, 0.0) * motor_displacement
                      - motor_torque_loss * direction)
 
     shaft_torque = load_torque

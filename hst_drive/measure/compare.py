@@ -1,0 +1,144 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A model beside measurements: errors by signal and where they sit."""
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from hst_drive.control import PiController
+from hst_drive.errors import InputError
+from hst_drive.measure.errors import ErrorSummary, summarise
+from hst_drive.measure.replay import Replay
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.where import operating_variables, Region, where
+from hst_drive.model import Drive
+
+
+class LogComparison(NamedTuple):
+    """One log: the recording, what the model gives, errors, and the delay found (s)."""
+
+    run: Run
+    model: dict[str, np.ndarray]
+    signals: dict[str, ErrorSummary]
+    delays: dict[str, float]
+
+
+class Comparison(NamedTuple):
+    """All logs together and each for itself."""
+
+    rig: str
+    closed_loop: bool
+    signals: dict[str, ErrorSummary]
+    where: list[Region]
+    logs: list[LogComparison]
+
+
+def compare(drive: Drive, runs: Sequence[Run], *, closed_loop: bool = False) -> Comparison:
+    """
+    Replay recordings through a model and judge it.
+
+    Parameters
+    ----------
+    drive : Drive
+        The model.
+    runs : sequence of Run
+        Recordings of the whole drive.
+    closed_loop : bool
+        Let the rig's PI controller command the pump instead of the recorded command; the
+        command is then compared, too. Needs 'speed_setpoint'.
+
+    Raises
+    ------
+    InputError
+        If a recording lacks the channels that a replay needs.
+
+    """
+    logs, floors, variables = [], [], []
+    for run in runs:
+        replay = Replay(run, drive)
+        model = dict(replay.predict(drive).signals)
+        floor = replay.floor(drive)
+        noise = dict(replay.noise)
+        if closed_loop:
+            model = _closed_loop(drive, run, replay)
+            if 'pump_command' in run:
+                floor['pump_command'] = noise['pump_command'] = _command_floor(drive, floor)
+        delays = {name: _delay(run.time, model[name], run[name], floor[name]) for name in model}
+        signals = {name: summarise(model[name], run[name], CHANNELS[name].unit, noise[name],
+                                   floor[name]) for name in model}
+        logs.append(LogComparison(run, model, signals, delays))
+        floors.append(floor)
+        variables.append(operating_variables(run))
+    names = list(dict.fromkeys(name for log in logs for name in log.signals))
+    pooled = {name: _pool([log for log in logs if name in log.signals], name) for name in names}
+    shared = set.intersection(*(set(entry) for entry in variables))
+    everywhere = [name for name in names if all(name in log.signals for log in logs)]
+    regions = where(
+        {name: [log.model[name] - log.run[name] for log in logs] for name in everywhere},
+        {name: [entry[name] for entry in variables] for name in variables[0] if name in shared},
+        {name: pooled[name].floor for name in everywhere})
+    return Comparison(drive.rig.name, closed_loop, pooled, regions, logs)
+
+
+def _pool(logs: Sequence[LogComparison], name: str) -> ErrorSummary:
+    """Judge one signal over several logs; noise and floor are the logs' mean squares."""
+    weights = np.array([max(log.signals[name].samples, 1) for log in logs], dtype=float)
+    noise, floor = (math.sqrt(float(weights @ [getattr(log.signals[name], key)**2 for log in logs]
+                                    / weights.sum())) for key in ('noise_std', 'floor'))
+    return summarise(np.concatenate([log.model[name] for log in logs]),
+                     np.concatenate([log.run[name] for log in logs]),
+                     CHANNELS[name].unit, noise, floor)
+
+
+def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: float) -> float:
+    """Return by how much (s) the measurement lags behind the model; 0 where it cannot be told."""
+    rate = np.gradient(model, time)
+    valid = np.isfinite(measured) & np.isfinite(rate)
+    rate, error = rate[valid] - rate[valid].mean(), (model - measured)[valid]
+    power = float(rate @ rate)
+    if power <= 0:
+        return 0.0
+    delay = float(rate @ (error - error.mean())) / power
+    deviation = max(floor, float(error.std())) / math.sqrt(power)
+    # Residuals are correlated over some ten samples: ask for a clear sign.
+    return delay if abs(delay) > 10 * deviation else 0.0
+
+
+def _command_floor(drive: Drive, floor: dict[str, float]) -> float:
+    """What speed noise does to the command through the PI law, V."""
+    controller = drive.rig.controller
+    return max(controller.kp * floor.get('motor_speed', 0.0), 0.01)
+
+
+def _closed_loop(drive: Drive, run: Run, replay: Replay) -> dict[str, np.ndarray]:
+    """Run model and PI controller together against the recorded load."""
+    drive.rig.require('controller', purpose='--closed-loop')
+    if 'speed_setpoint' not in run:
+        raise InputError(f"{run.source}: channel 'speed_setpoint' is missing; --closed-loop needs "
+                         'it; leave the option out or name the column with --channels')
+    settings = drive.rig.controller
+    controller = PiController(settings.kp, settings.ki, settings.sample_time,
+                              settings.output_limits)
+    controller.reset(float(replay.inputs['pump_command'][0]))
+    disturbance = replay.disturbance(drive)
+    state = replay.start(drive)
+    time, setpoint = run.time, run['speed_setpoint']
+    rows: list[dict[str, float]] = []
+    command, due = 0.0, time[0]
+    for k in range(len(time)):
+        inputs = {'pprv_command': replay.inputs['pprv_command'][k],
+                  'oil_temperature': replay.inputs['oil_temperature'][k],
+                  'load_disturbance': disturbance[k]}
+        row = drive.outputs(state, pump_command=command, **inputs)
+        while due <= time[k] + 1e-9:
+            command = controller.update(setpoint[k], row['motor_speed'])
+            due += settings.sample_time
+        row['pump_command'] = command
+        rows.append(row)
+        if k + 1 < len(time):
+            state = drive.advance(state, time[k + 1] - time[k], pump_command=command, **inputs)
+    names = (*replay.signals, 'pump_command')
+    return {name: np.array([row[name] for row in rows]) for name in names}

@@ -1,0 +1,120 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Where a model fails: regions of the operating range that hold more error than their time."""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, Sequence
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from hst_drive.measure.run import CHANNELS, Run
+
+_BINS = 8
+_VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',
+              'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
+TRANSIENT = 'pressure_rate'   # Pa/s; how fast the state changes
+
+
+class Region(NamedTuple):
+    """
+    A range of one variable that holds more of a signal's error than its share of the time.
+
+    ``explained`` is the share of the error's variance that a function of the variable explains.
+    """
+
+    signal: str
+    variable: str
+    low: float
+    high: float
+    unit: str
+    share_of_error: float
+    share_of_time: float
+    explained: float
+
+
+def operating_variables(run: Run) -> dict[str, np.ndarray]:
+    """Return what the error may depend on, smoothed over 0.1 s, SI."""
+    width = max(0.1 / run.sample_time, 0.5)
+    found = {}
+    for name in _VARIABLES:
+        if name in run:
+            values = run[name]
+            bad = ~np.isfinite(values)
+            if bad.any():
+                index = np.arange(len(values))
+                values = np.interp(index, index[~bad], values[~bad])
+            hold = CHANNELS[name].hold == 'zero'
+            found[name] = values if hold else gaussian_filter1d(values, width)
+    pressure = found.get('pump_outlet_pressure', found.get('motor_inlet_pressure'))
+    if pressure is not None:
+        found[TRANSIENT] = np.abs(np.gradient(pressure, run.time))
+    return found
+
+
+def unit_of(variable: str) -> str:
+    """Return the SI unit of a variable of ``operating_variables``."""
+    return 'Pa/s' if variable == TRANSIENT else CHANNELS[variable].unit
+
+
+def where(errors: Mapping[str, Sequence[np.ndarray]],
+          variables: Mapping[str, Sequence[np.ndarray]], floors: Mapping[str, float],
+          most: int = 8) -> list[Region]:
+    """
+    Find the regions that hold the error.
+
+    Parameters
+    ----------
+    errors : mapping of str to sequence of ndarray
+        Model minus measurement by signal, one array per log.
+    variables : mapping of str to sequence of ndarray
+        What the error may depend on, one array per log.
+    floors : mapping of str to float
+        Rmse by signal that a perfect model would show.
+    most : int
+        How many regions to return at most, the most telling first.
+
+    """
+    regions = []
+    for signal, parts in errors.items():
+        error = np.concatenate(parts)
+        valid = np.isfinite(error)
+        if valid.sum() < 10 * _BINS:
+            continue
+        power = np.mean(error[valid]**2)
+        if power < (1.15 * floors[signal])**2:
+            continue
+        for variable, columns in variables.items():
+            if variable == signal and variable in ('load_torque', 'motor_torque'):
+                continue
+            region = _region(signal, variable, error[valid], np.concatenate(columns)[valid])
+            if region:
+                regions.append((region.explained * (power / floors[signal]**2)**0.25, region))
+    regions.sort(key=lambda item: -item[0])
+    return [region for _, region in regions[:most]]
+
+
+def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -> Region | None:
+    edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
+    if len(edges) < 3 or edges[-1] - edges[0] < 1e-9 * max(abs(edges[0]), abs(edges[-1]), 1e-9):
+        return None
+    bins = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, len(edges) - 2)
+    counts = np.bincount(bins, minlength=len(edges) - 1)
+    counts_safe = np.maximum(counts, 1)
+    means = np.bincount(bins, error, minlength=len(counts)) / counts_safe
+    squares = np.bincount(bins, error**2, minlength=len(counts))
+    total = error.var()
+    explained = float(counts @ (means - error.mean())**2 / len(error) / total) if total else 0.0
+    time_share = counts / len(error)
+    error_share = squares / squares.sum()
+    best, found = 0.0, None
+    for low in range(len(counts)):
+        for high in range(low + 1, len(counts) + 1):
+            held, spent = error_share[low:high].sum(), time_share[low:high].sum()
+            if spent < 0.95 and held - spent > best:
+                best, found = held - spent, (low, high, held, spent)
+    if not found or best < 0.1:
+        return None
+    low, high, held, spent = found
+    return Region(signal, variable, float(edges[low]), float(edges[high]), unit_of(variable),
+                  float(held), float(spent), explained)
