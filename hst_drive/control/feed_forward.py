@@ -3,9 +3,7 @@
 """Feed-forward of the pump command from the set point."""
 from __future__ import annotations
 
-from bisect import bisect_right
-
-import numpy as np
+from bisect import bisect_left, bisect_right
 
 
 class PumpFeedForward:
@@ -29,11 +27,8 @@ class PumpFeedForward:
     """
 
     def __init__(self, command, displacement, pump_speed: float, motor_displacement: float):
-        command = np.asarray(command, dtype=float)
-        displacement = np.asarray(displacement, dtype=float)
-        keep = np.append(np.diff(displacement) > 0.0, True)
-        self._command = command[keep].tolist()
-        self._displacement = displacement[keep].tolist()
+        self._command = [float(value) for value in command]
+        self._displacement = [float(value) for value in displacement]
         self._ratio = motor_displacement / pump_speed
 
     def __call__(self, setpoint: float) -> float:
@@ -42,9 +37,8 @@ class PumpFeedForward:
         wanted = setpoint * self._ratio
         if setpoint <= 0.0:
             return 0.0
-        if wanted <= x[0]:
-            return y[0]
+        wanted = max(wanted, x[0])
         if wanted >= x[-1]:
-            return y[-1]
+            return y[bisect_left(x, x[-1])]
         i = bisect_right(x, wanted) - 1
         return y[i] + (y[i + 1] - y[i]) * (wanted - x[i]) / (x[i + 1] - x[i])

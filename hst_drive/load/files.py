@@ -1,0 +1,74 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Scenario files: where the shipped ones are, and reading one with the log it names."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+
+from hst_drive.errors import InputError
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.load.scenario import parse_scenario, Scenario
+from hst_drive.resources import share
+from hst_drive.rig.load import default_rig, read_yaml
+from hst_drive.rig.rig import Rig
+
+
+def shipped_scenarios() -> dict[str, Path]:
+    """Return the scenarios that come with the package, by name."""
+    return {path.stem: path for path in sorted(share('config', 'scenarios').glob('*.yaml'))}
+
+
+def load_scenario(source: str | Path, rig: Rig | None = None,
+                  log: str | Path | None = None) -> Scenario:
+    """
+    Load a scenario.
+
+    Parameters
+    ----------
+    source : str or Path
+        A file, or the name of a shipped scenario.
+    rig : Rig, optional
+        Whose loading unit turns torque into a PPRV command; default the shipped test rig.
+    log : str or Path, optional
+        Drilling log in place of the one that the scenario names.
+
+    Raises
+    ------
+    InputError
+        One line that names file and key and suggests the mend.
+
+    """
+    path = _find(source)
+    rig = rig or default_rig()
+    rig.require('loading', purpose='the load of a scenario')
+
+    def read_text(name: str | None) -> tuple[str, str]:
+        if log is None and name is None:
+            raise InputError(f"{path}: 'load.file' is missing; name a drilling log there or give "
+                             'one with --log')
+        place = Path(log) if log is not None else path.parent / name
+        try:
+            return place.read_text(encoding='utf-8-sig'), str(place)
+        except OSError as error:
+            raise InputError(f'{place}: cannot be read ({error.strerror}); check the path') \
+                from None
+        except UnicodeDecodeError:
+            raise InputError(f'{place}: is not a text file; expected a CSV') from None
+
+    try:
+        unit = LoadingUnit.of(rig.loading)
+    except ValueError as error:
+        raise InputError(f'{rig.source or rig.name}: {error}') from None
+    return parse_scenario(read_yaml(path), unit, str(path), read_text)
+
+
+def _find(source: str | Path) -> Path:
+    path, shipped = Path(source), shipped_scenarios()
+    if path.is_file() or path.suffix in ('.yaml', '.yml'):
+        return path
+    if str(source) in shipped:
+        return shipped[str(source)]
+    near = get_close_matches(str(source), shipped, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f'shipped: {", ".join(shipped)}'
+    raise InputError(f"scenario '{source}': neither a file nor a shipped scenario; {hint}")
