@@ -37,7 +37,7 @@ from typing import Any, NamedTuple
 from hst_drive.bag.topics import ATMOSPHERE
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS
-from hst_drive.units import canonical, parse_header, si_unit, to_si, UnitError
+from hst_drive.units import canonical, si_unit, to_si, UnitError
 import yaml
 
 _KEYS = ('from', 'unit', 'scale', 'offset', 'absolute')
@@ -170,11 +170,9 @@ def check_unit(unit: str, si: str, where: str) -> str:
 
 
 def split_header(text: str) -> tuple[str, str | None]:
-    """Return name and unit of a column header; None where it names no unit."""
-    try:
-        return parse_header(text)
-    except UnitError:
-        return text.strip(), None
+    """Return name and unit, as written, of a column header; None where it names no unit."""
+    name, bracket, unit = text.strip().partition('[')
+    return name.strip(), unit.rstrip(' ]') if bracket and unit.endswith(']') else None
 
 
 def _near(word: str, known) -> str:

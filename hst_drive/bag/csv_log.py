@@ -8,7 +8,6 @@ tab; lines that begin with # and empty lines do not count; an empty cell is a mi
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
 import csv
 from difflib import get_close_matches
 import os
@@ -18,7 +17,7 @@ from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import ChannelMap, check_unit, Entry, split_header
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.units import canonical, from_si, UnitError
+from hst_drive.units import from_si
 import numpy as np
 
 _MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
@@ -146,23 +145,19 @@ def _column(entry: Entry, header: list[str], names: list[str], path: str, source
         near = get_close_matches(entry.source, [*header, *names], n=1)
         hint = f'; did you mean {near[0]!r}?' if near else ''
         raise InputError(f'{source}: {entry.channel}: {path} has no column {entry.source!r}{hint}')
-    raise InputError(f'{path}: has no column time[s]; its columns are {", ".join(header)}')
+    raise InputError(f'{path}: has no column time[s]; its columns are '
+                     f'{", ".join(header)}. Rename one, or name it under "time" in a channel map')
 
 
 def _unit(entry: Entry, cell: str, path: str) -> str:
     if entry.unit:
         return entry.unit
     si = 's' if entry.channel == 'time' else CHANNELS[entry.channel].unit
-    name, bracket, unit = cell.partition('[')
-    if not bracket:
+    name, unit = split_header(cell)
+    if unit is None:
         example = 's' if entry.channel == 'time' else CHANNELS[entry.channel].display
-        raise InputError(f'{path}: column {cell!r} has no unit; write it as '
-                         f'{name.strip()}[{example}]')
-    try:
-        canonical(unit.rstrip(' ]'))
-    except UnitError as error:
-        raise InputError(f'{path}: column {cell!r}: {error}') from None
-    return check_unit(unit.rstrip(' ]'), si, f'{path}: column {cell!r}')
+        raise InputError(f'{path}: column {cell!r} has no unit; write it as {name}[{example}]')
+    return check_unit(unit, si, f'{path}: column {cell!r}')
 
 
 def _parse(lines: list[str], rows: list[int], separator: str, header: list[str],

@@ -1,0 +1,138 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""CSV recordings: what is written comes back, and what is wrong is said in one line."""
+from hst_drive.bag import read_csv, read_log, write_csv
+from hst_drive.errors import InputError
+from hst_drive.measure.run import CHANNELS, Run
+from hypothesis import given, settings, strategies as st
+import numpy as np
+import pytest
+
+from .records import make_run
+
+HEADER = 'time[s],motor_speed[rpm]'
+ROWS = [f'{i * 0.01:.2f},{i}' for i in range(50)]
+
+
+def save(tmp_path, header, rows, name='log.csv', newline='\n', encoding='utf-8'):
+    path = tmp_path / name
+    path.write_bytes(newline.join([header, *rows, '']).encode(encoding))
+    return path
+
+
+def swap(row, text):
+    return [*ROWS[:row - 2], text, *ROWS[row - 1:]]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.data())
+def test_what_is_written_comes_back(tmp_path_factory, data):
+    names = data.draw(st.lists(st.sampled_from(sorted(CHANNELS)), min_size=1, unique=True))
+    rows = data.draw(st.integers(10, 30))
+    number = st.floats(-1e6, 1e6) | st.just(float('nan'))
+    values = {name: np.array(data.draw(st.lists(number, min_size=rows, max_size=rows)))
+              for name in names}
+    for column in values.values():
+        column[0] = 1.5
+    run = Run('r', np.cumsum(np.full(rows, 0.013)), values)
+    path = tmp_path_factory.mktemp('csv') / 'r.csv'
+    write_csv(path, run)
+    back = read_csv(path)
+    assert set(back.channels) == set(names)
+    np.testing.assert_allclose(back.time, run.time, rtol=1e-11)
+    for name in names:
+        scale = 300.0 if name == 'oil_temperature' else 0.0
+        np.testing.assert_allclose(back[name], run[name], rtol=1e-8, atol=1e-8 * scale + 1e-12)
+
+
+def test_the_unit_in_the_header_counts(tmp_path):
+    header = 'time[ms],motor_speed[rad/s],pump_outlet_pressure[psi],oil_temperature[degF],' \
+        'motor_inlet_flow[m^3/h]'
+    run = read_csv(save(tmp_path, header, [f'{10 * i},2,1000,122,3.6' for i in range(20)]))
+    assert run.time[1] == pytest.approx(0.01)
+    assert run['motor_speed'][0] == 2.0
+    assert run['pump_outlet_pressure'][0] == pytest.approx(6.894757e6, rel=1e-6)
+    assert run['oil_temperature'][0] == pytest.approx(323.15)
+    assert run['motor_inlet_flow'][0] == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize('separator, decimal', [(',', '.'), (';', '.'), (';', ','), ('\t', '.'),
+                                                ('\t', ',')])
+@pytest.mark.parametrize('newline, encoding', [('\n', 'utf-8'), ('\r\n', 'utf-8-sig'),
+                                               ('\r\n', 'utf-16')])
+def test_files_of_other_programs(tmp_path, separator, decimal, newline, encoding):
+    rows = [row.replace(',', separator) if decimal == '.' else
+            row.replace(',', separator).replace('.', decimal) for row in ROWS]
+    rows[3:3] = ['# a comment', '', '   ']
+    rows = [row + separator + f'"1{decimal}5"' if '0' in row else row for row in rows]
+    header = '# made by a logger' + newline + HEADER.replace(',', separator) \
+        + separator + '"load_torque[N.m]"'
+    run = read_csv(save(tmp_path, header, rows, newline=newline, encoding=encoding))
+    np.testing.assert_allclose(run.time, np.arange(50) * 0.01)
+    np.testing.assert_allclose(run['motor_speed'] * 30 / np.pi, np.arange(50))
+    np.testing.assert_allclose(run['load_torque'], 1.5)
+
+
+def test_missing_samples_are_kept_and_noted(tmp_path):
+    rows = swap(10, '0.08,')
+    rows[20] = '0.20,NaN'
+    run = read_csv(save(tmp_path, HEADER, rows))
+    assert np.flatnonzero(np.isnan(run['motor_speed'])).tolist() == [8, 20]
+    assert any('motor_speed: 2 of 50 samples missing' in note for note in run.notes)
+
+
+def test_unknown_and_empty_columns_are_noted(tmp_path):
+    rows = [row + ',x,' for row in ROWS]
+    run = read_csv(save(tmp_path, HEADER + ',operator,load_torque[N.m]', rows))
+    assert list(run.channels) == ['motor_speed']
+    assert any('operator' in note for note in run.notes)
+    assert any('load_torque: no numbers' in note for note in run.notes)
+
+
+@pytest.mark.parametrize('header, rows, said', [
+    ('', [], 'empty'),
+    ('# nothing', [], 'only comments'),
+    (HEADER, [], 'no rows'),
+    ('time,motor_speed', ROWS, r"'time' has no unit; write it as time\[s\]"),
+    ('time[s],motor_speed', ROWS, r"'motor_speed' has no unit; write it as motor_speed\[rpm\]"),
+    (ROWS[0], ROWS[1:], 'no header'),
+    (HEADER, swap(22, '0.20,abc'), r"row 22, column 'motor_speed\[rpm\]'.*'abc'"),
+    (HEADER, ['a,b'] * 20, r"row 2, column 'time\[s\]'.*'a'"),
+    (HEADER, swap(22, '0.10,1'), 'row 22: the time runs back'),
+    (HEADER, swap(22, '0.19,1'), 'row 22: the time stands still'),
+    (HEADER, swap(22, 'nan,1'), 'row 22: the time is missing'),
+    (HEADER, swap(22, 'inf,1'), 'row 22: the time is missing or not finite'),
+    (HEADER, swap(22, '0.20'), 'row 22 has 1 cells, the header 2'),
+    (HEADER, swap(22, '0.20,1,2'), 'row 22 has 3 cells, the header 2'),
+    (HEADER, ROWS[:2], 'only 2 rows'),
+    (HEADER, [row.split(',')[0] + ',' for row in ROWS], 'none of its channels holds a number'),
+    (HEADER + ',motor_speed[rad/s]', [row + ',1' for row in ROWS], "'motor_speed' comes twice"),
+    ('time[s],motor_speed[bar]', ROWS, r"'motor_speed\[bar\]'.*another quantity"),
+    ('time[s],motor_speed[rmp]', ROWS, r"'motor_speed\[rmp\]'.*unknown unit"),
+    ('t[s],motor_speed[rpm]', ROWS, r'no column time\[s\]'),
+    ('time[s],motr_speed[rpm]', ROWS, r'none of its columns is known.*motor_speed\?.*--channels'),
+])
+def test_what_is_wrong_is_one_clear_line(tmp_path, header, rows, said):
+    path = save(tmp_path, header, rows)
+    with pytest.raises(InputError, match=said) as caught:
+        read_log(path)
+    assert '\n' not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_binary_and_missing_files_are_refused(tmp_path):
+    path = tmp_path / 'picture.csv'
+    path.write_bytes(bytes(range(256)) * 9)
+    with pytest.raises(InputError, match='not a CSV file'):
+        read_log(path)
+    with pytest.raises(InputError, match='No such file'):
+        read_log(tmp_path / 'none.csv')
+
+
+def test_an_error_in_a_long_file_is_found(tmp_path):
+    run = make_run(100_000)
+    write_csv(tmp_path / 'long.csv', run)
+    with open(tmp_path / 'long.csv', 'a', encoding='utf-8') as file:
+        file.write('1000,oops' + ',1' * (len(run.channels) - 1) + '\n')
+    with pytest.raises(InputError, match="row 100002, column 'pump_command.*'oops'"):
+        read_log(tmp_path / 'long.csv')
