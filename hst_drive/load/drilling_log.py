@@ -81,7 +81,7 @@ def parse_drilling_log(text: str, source: str,
     if 'torque' not in places or not ('time' in places or 'depth' in places):
         lacking = 'torque' if 'torque' not in places else 'time or depth'
         raise InputError(
-            f"{source}: no column for {lacking}; write it as e.g. torque[N.m], depth[m], or name "
+            f'{source}: no column for {lacking}; write it as e.g. torque[N.m], depth[m], or name '
             f'the header under columns: (found {", ".join(header[:12])})')
     cells: dict[str, list[float]] = {name: [] for name in places}
     for number, row in enumerate(rows, start=2):

@@ -140,11 +140,12 @@ class Ground(Profile):
 
     """
 
-    step = 0.01  # s, between points of the profile; the PPRV's lag is several times longer
 
     def __init__(self, layers: list[Layer], bit: Bit, speed: Profile, duration: float, *,
                  start: float = 0.0, seed: int = 0, scale: float = 1.0):
-        self.time = np.arange(0.0, duration + self.step, self.step)
+        # 10 ms: several times below the PPRV's lag. Long runs get a coarser grid.
+        count = int(min(max(duration / 0.01, 100.0), 500_000.0))
+        self.time = np.linspace(0.0, duration, count + 1)
         turning = np.where(self.time > start, np.maximum(speed.sample(self.time), 0.0), 0.0)
         angle = _cumulative(turning, self.time)
         deepest = max(bit.cut(layer.ucs) for layer in layers) * angle[-1] / _REV

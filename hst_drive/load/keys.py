@@ -149,7 +149,7 @@ class Keys:
 
     def _missing(self, key: str):
         free = [str(name) for name in self.content if name not in self._used]
-        near = get_close_matches(key, free, n=1, cutoff=0.75)
+        near = get_close_matches(key, free, n=1, cutoff=0.65)
         if near:
             raise InputError(f"{self.source}: unknown key '{self.where(near[0])}'; did you mean "
                              f"'{key}'?")
@@ -158,12 +158,15 @@ class Keys:
     def _in_range(self, value, key: str, found: str, unit: str, low: float, high: float):
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise self.fail(key, f'is {value!r}, expected a number in {found}')
-        si = float(to_si(float(value), found))
+        try:
+            si = float(to_si(float(value), found))
+        except OverflowError:
+            si = math.inf
         edges = to_si(low, unit), to_si(high, unit)
         # A value on the edge may miss it by its conversion.
         slack = 1e-9 * max(abs(si), 1e-300)
         if not math.isfinite(si) or not edges[0] - slack <= si <= edges[1] + slack:
-            raise self.fail(key, f'is {value:g} {found}, expected {low:g} to {high:g} {unit}; '
+            raise self.fail(key, f'is {value} {found}, expected {low:g} to {high:g} {unit}; '
                                  'check the value and its unit')
         return si
 
@@ -182,5 +185,5 @@ def quantity(value, keys: Keys, key: str) -> float:
     except UnitError as error:
         raise keys.fail(key, f'is {value!r}: {error}') from None
     except ValueError:
-        raise keys.fail(key, f"is {value!r}, expected a number in SI or a text such as "
+        raise keys.fail(key, f'is {value!r}, expected a number in SI or a text such as '
                              "'12 N.m'") from None

@@ -164,6 +164,8 @@ def random_steps(low: float, high: float, shortest: float, longest: float, durat
     """
     if not 0.0 < shortest <= longest or not low <= high:
         raise ValueError('expected 0 < shortest <= longest and low <= high')
+    if duration > 1e6 * shortest:
+        raise ValueError(f'up to {duration / shortest:.3g} steps, expected at most a million')
     rng = np.random.default_rng(list(seed))
     times, values = [0.0], [float(rng.uniform(low, high))]
     while times[-1] < duration:
