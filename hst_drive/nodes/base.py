@@ -1,0 +1,192 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What all nodes share: parameters, endpoints, readiness, the spin loop, a clean end."""
+from __future__ import annotations
+
+from collections.abc import Callable
+import os
+import signal
+import sys
+
+from hst_drive.bag.topics import NAMESPACE
+from hst_drive.errors import InputError
+from hst_drive.nodes import sync, wiring
+from hst_drive.nodes.endpoints import Input, Output, topic_named
+from hst_drive.nodes.parameters import COMMON, declare, Parameter
+import rclpy
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import (InvalidParameterTypeException, InvalidParameterValueException,
+                              ParameterException)
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+PARENT = 'HST_DRIVE_PARENT'
+"""Environment variable with the process id of the ``run`` that owns the node."""
+_READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
+
+
+class DriveNode(Node):
+    """
+    Base of the nodes; ``role`` is the name by which the partners know it.
+
+    Life: ``__init__`` declares the parameters, ``configure`` builds the pure objects from them,
+    ``activate`` opens the endpoints, ``started`` is called when the run may begin,
+    ``deactivate`` ends it.
+    """
+
+    role = ''
+    parameters: tuple[Parameter, ...] = ()
+
+    def __init__(self):
+        super().__init__(self.role, namespace=NAMESPACE.strip('/'))
+        self.settings = declare(self, COMMON + self.parameters)
+        self.partners: list[str] = self.settings['partners']
+        self.lockstep: bool = self.settings['lockstep']
+        self.taken: tuple[str, ...] = ()
+        self.outputs: dict[str, Output] = {}
+        self.inputs: dict[str, Input] = {}
+        self.exit_code: int | None = None
+        self.sync: sync.Sync | None = None
+        self.answers: sync.Answers | None = None
+        self._wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self._parent = int(os.environ.get(PARENT, 0))
+        for name in self.partners:
+            if name not in wiring.NODES:
+                raise InputError(f"{self.role}: parameter partners: unknown node '{name}'; "
+                                 f"expected some of {', '.join(wiring.NODES)}")
+
+    def configure(self) -> None:
+        """Build what the node works with from its parameters."""
+
+    def activate(self) -> None:
+        """Open the endpoints and begin to wait for the partners."""
+        self.sync = sync.Sync(self, self._said)
+        self.answers = sync.Answers(self.sync, lambda: {
+            self.resolve_topic_name(name): output.published
+            for name, output in self.outputs.items()})
+        self.taken = self.taken or wiring.recorded(self.partners)
+        self._waited = 0.0
+        self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self._wall)
+        if self._parent:
+            self.create_timer(_WATCH_PERIOD, self._watch_parent, clock=self._wall)
+
+    def started(self) -> None:
+        """Do what is due once all partners are connected."""
+
+    def deactivate(self) -> None:
+        """Stop working; called once at the end, whatever the reason is."""
+
+    def drain(self) -> bool:
+        """Return whether messages under way must still be taken in before the end."""
+        return False
+
+    def publish_to(self, *names: str) -> None:
+        """Open publishers of these topics of the table."""
+        for name in names:
+            self.outputs[name] = Output(self, topic_named(name))
+
+    def listen_to(self, name: str, callback: Callable[[int, tuple[float, ...]], None]) -> None:
+        """Open a subscription of a topic of the table."""
+        self.inputs[name] = Input(self, topic_named(name), callback)
+
+    def now(self) -> int:
+        """Return the node's time, ns."""
+        return self.get_clock().now().nanoseconds
+
+    def stop(self, code: int, reason: str = '') -> None:
+        """End the spin loop and leave with this code."""
+        if reason:
+            print(f'{self.role}: {reason}', file=sys.stderr, flush=True)
+        if self.exit_code is None:
+            self.exit_code = code
+
+    def not_connected(self) -> list[str]:
+        """Return the names of the topics on which a partner is still missing."""
+        others = [name for name in self.partners if name != self.role]
+        missing = [name for name, entry in self.inputs.items()
+                   if entry.topic.publisher in others and not entry.connected()]
+        missing += [name for name, entry in self.outputs.items()
+                    if not entry.connected(wiring.readers(name, others, self.taken))]
+        count = len(self.partners)
+        if (self.sync.publisher.get_subscription_count() < count
+                or self.sync.subscription.get_publisher_count() < count):
+            missing.append('sync')
+        return missing
+
+    def said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        """Take what another node says on ``sync``; a partner answers the plant's questions."""
+        if word in (sync.ASK, sync.LAST):
+            self.answers.asked(stamp)
+
+    def _said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        self.said(name, word, stamp, counts)
+
+    def _check_ready(self) -> None:
+        missing = self.not_connected() if self.partners else []
+        self._waited += _READY_PERIOD
+        if missing:
+            if self._waited >= _PATIENCE:
+                self._waited = 0.0
+                self.get_logger().warning(f'still waiting for a partner on {", ".join(missing)}')
+            return
+        self.destroy_timer(self._ready_timer)
+        if self.partners:
+            self.sync.say(sync.READY)
+        self.started()
+
+    def _watch_parent(self) -> None:
+        if os.getppid() != self._parent:
+            self.stop(0, 'the run that started this node is gone')
+
+
+def _executor():
+    try:
+        from rclpy.experimental.events_executor import EventsExecutor
+        return EventsExecutor()
+    except ImportError:
+        return SingleThreadedExecutor()
+
+
+def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
+    """
+    Run a node until it ends, is told to (SIGINT, SIGTERM) or fails.
+
+    Returns
+    -------
+    int
+        0 done or told to stop, 1 failed, 2 wrong parameters.
+
+    """
+    # Our own handlers: rclpy's would shut the context down at once, and what is still under
+    # way to the recorder would be lost.
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signals: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _: signals.append(received))
+    node = None
+    code = 0
+    try:
+        node = node_class()
+        node.configure()
+        node.activate()
+        executor = _executor()
+        executor.add_node(node)
+        while rclpy.ok() and node.exit_code is None and not signals:
+            # EventsExecutor.spin() without a timeout never runs a callback.
+            executor.spin_once(timeout_sec=0.1)
+        while rclpy.ok() and node.drain():
+            executor.spin_once(timeout_sec=0.05)
+        code = node.exit_code or 0
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except (InputError, ParameterException, InvalidParameterTypeException,
+            InvalidParameterValueException) as error:
+        print(f'{node_class.role}: {error}', file=sys.stderr, flush=True)
+        code = 2
+    finally:
+        if node is not None:
+            node.deactivate()
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return code

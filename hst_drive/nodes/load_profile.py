@@ -1,0 +1,92 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The test harness as a node: set point, load and oil temperature as a scenario wants them."""
+from __future__ import annotations
+
+import sys
+
+from hst_drive.bag.topics import TOPICS
+from hst_drive.load import load_scenario
+from hst_drive.nodes import sync
+from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.endpoints import BILLION, qos_profile
+from hst_drive.nodes.parameters import Parameter
+from hst_drive.rig import load_rig
+from rosgraph_msgs.msg import Clock
+
+
+class LoadProfile(DriveNode):
+    """
+    Plays a scenario.
+
+    In lockstep it answers every step of ``/clock``. In real time it begins when the plant says
+    so, or at once if it has no partners, and goes on at its own rate.
+    """
+
+    role = 'load_profile'
+    parameters = (
+        Parameter('scenario', 'paper_step', 'name of a shipped scenario, or a file'),
+        Parameter('log', '', 'drilling log whose torque is the load; empty: the one that the '
+                  'scenario names'),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        Parameter('rate', 100.0, 'messages per second in real time', 'Hz', 1.0, 1000.0),
+    )
+
+    def configure(self) -> None:
+        """Load the scenario."""
+        settings = self.settings
+        rig = load_rig(settings['rig']) if settings['rig'] else None
+        self._scenario = load_scenario(settings['scenario'], rig, settings['log'] or None)
+        self._start: int | None = None
+
+    def activate(self) -> None:
+        """Open the endpoints."""
+        self.publish_to('pprv_command', 'speed_setpoint', 'oil_temperature_command',
+                        'manual_pump_command')
+        if self.lockstep:
+            topic = TOPICS['/clock']
+            self._clock = self.create_subscription(
+                Clock, topic.name, self._clocked, qos_profile(topic.qos, 2 * sync.INTERVAL))
+        super().activate()
+
+    def started(self) -> None:
+        """Begin at once when there is nobody to wait for."""
+        if not self.partners:
+            self._begin(self.now())
+
+    def said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        """Begin when the plant does."""
+        super().said(name, word, stamp, counts)
+        if word == sync.START and self._start is None:
+            self._begin(stamp)
+
+    def _begin(self, stamp: int) -> None:
+        self._start = stamp
+        if not self.lockstep:
+            self._play(stamp)
+            self.create_timer(1.0 / self.settings['rate'], lambda: self._play(self.now()))
+
+    def _clocked(self, message: Clock) -> None:
+        stamp = message.clock.sec * BILLION + message.clock.nanosec
+        # The clock may overtake the word to start: both mean step 0.
+        self._start = sync.SIMULATED_START
+        self._play(stamp)
+        self.answers.done(stamp)
+
+    def _play(self, stamp: int) -> None:
+        scenario, t = self._scenario, (stamp - self._start) / BILLION
+        out = self.outputs
+        out['pprv_command'].publish(stamp, scenario.load.pprv_command(t))
+        out['oil_temperature_command'].publish(stamp, scenario.oil_temperature(t))
+        out['speed_setpoint'].publish(stamp, scenario.speed_setpoint(t))
+        if scenario.pump_command is not None:
+            out['manual_pump_command'].publish(stamp, scenario.pump_command(t))
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(LoadProfile)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,255 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The drive and its sensors as a node: what a real rig would publish, and its clock."""
+from __future__ import annotations
+
+import math
+import sys
+import time
+
+from builtin_interfaces.msg import Time
+from hst_drive.bag.topics import TOPICS
+from hst_drive.errors import InputError
+from hst_drive.model import Drive, SensorBank
+from hst_drive.model.compose import STATES
+from hst_drive.nodes import sync, wiring
+from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.endpoints import BILLION, qos_profile, TRUTH
+from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.settings import parse_effects
+from hst_drive.rig import default_rig, load_rig
+import numpy as np
+from rosgraph_msgs.msg import Clock
+
+_ANGLE = STATES.index('motor_angle')
+_INPUTS = {'pump_command': 'pump_command', 'pprv_command': 'pprv_command',
+           'oil_temperature_command': 'oil_temperature'}   # topic -> input of the drive
+_PROGRESS = 0.5   # s of wall time between two lines of progress
+
+
+class Plant(DriveNode):
+    """Integrates the drive from sample to sample; commands hold between samples."""
+
+    role = 'plant'
+    parameters = (
+        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        Parameter('effects', [], 'hidden effects: id.parameter=value (SI), id.parameter=value[unit] or id'),
+        Parameter('seed', 1, 'seed of the sensors\' noise', low=0, high=2**31 - 1),
+        Parameter('rate', 100.0, 'samples per second', 'Hz', 1.0, 1000.0),
+        Parameter('duration', 0.0, 'length of the run; 0: without end', 's', 0.0, 1e7),
+        Parameter('speed', 0.0, 'in lockstep: simulated per real second; 0: as fast as it goes',
+                  '1', 0.0, 1e4),
+        Parameter('partner_timeout', 30.0, 'in lockstep: how long to wait for a partner', 's',
+                  0.1, 600.0),
+        Parameter('extra_topics', [], 'readings that are off by default and shall be published'),
+        Parameter('truth', False, 'publish the values without noise under truth/ as well'),
+        Parameter('progress', False, 'tell the progress on standard output'),
+    )
+
+    def configure(self) -> None:
+        """Build drive and sensors."""
+        settings = self.settings
+        rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
+        self._drive = Drive(rig, parse_effects(settings['effects']))
+        self._sensors = SensorBank(rig, settings['seed'])
+        self._state = self._drive.initial_state()
+        self._names = wiring.readings(settings['extra_topics'])
+        self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
+        self._period = round(BILLION / settings['rate'])
+        self._steps = (round(settings['duration'] * BILLION / self._period) or None
+                       if settings['duration'] else None)
+        self._step = -1
+        self._inputs = {'pump_command': 0.0, 'pprv_command': 0.0,
+                        'oil_temperature': rig.characterised_at}
+        if self.lockstep and not {'controller', 'load_profile'} & set(self.partners):
+            raise InputError('plant: parameter lockstep needs controller or load_profile among '
+                             'the partners')
+        self._pending: set[str] = set()
+        self._unready = {name for name in self.partners if name != self.role}
+        self._unanswered: set[str] = set()
+        self._asked = -1
+        self._finishing = False
+        self._running = False
+        self._times = np.array([0.0, self._period / BILLION])
+
+    def activate(self) -> None:
+        """Open the endpoints."""
+        self.publish_to(*self._names)
+        if self.settings['truth']:
+            self.publish_to(*(f'{TRUTH}{name}' for name in self._names))
+        for name in _INPUTS:
+            self.listen_to(name, lambda stamp, values, name=name:
+                           self._commanded(name, stamp, values[0]))
+        if self.lockstep:
+            topic = TOPICS['/clock']
+            self._clock_message = Clock()
+            self._clock_publisher = self.create_publisher(
+                Clock, topic.name, qos_profile(topic.qos, 2 * sync.INTERVAL))
+        self._heard = time.monotonic()
+        super().activate()
+        self._ready = False
+        self.create_timer(0.25, self._watch, clock=self._wall)
+
+    def not_connected(self) -> list[str]:
+        """Return the topics on which a partner is missing; load_profile reads the clock."""
+        missing = super().not_connected()
+        if self.lockstep and 'load_profile' in self.partners and (
+                self._clock_publisher.get_subscription_count() < 1):
+            missing.append('/clock')
+        return missing
+
+    def started(self) -> None:
+        """Begin when all partners are ready."""
+        self._ready = True
+        self._begin()
+
+    def said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        """Take a partner's word that it is ready or through with a step."""
+        self._heard = time.monotonic()
+        if word == sync.READY:
+            self._unready.discard(name)
+            self._begin()
+        elif word == sync.DONE and stamp == self._asked:
+            self._unanswered.discard(name)
+            if self._finishing and not self._unanswered:
+                self._finish()
+            elif self._running and not self._pending:
+                self._next_step()
+
+    def _begin(self) -> None:
+        if self._running or self._unready or not self._ready:
+            return
+        self._running = True
+        self._began = self._told = time.monotonic()
+        if self.lockstep:
+            self._start = sync.SIMULATED_START
+            self.sync.say(sync.START, self._start)
+            self._next_step()
+        else:
+            self._start = self.now()
+            self.sync.say(sync.START, self._start)
+            self._tick()
+            self.create_timer(self._period / BILLION, self._tick)
+
+    def _stamp(self) -> int:
+        return self._start + self._step * self._period
+
+    def _commanded(self, name: str, stamp: int, value: float) -> None:
+        if math.isfinite(value):
+            self._inputs[_INPUTS[name]] = value
+        if self.lockstep and self._running and stamp == self._stamp():
+            self._heard = time.monotonic()
+            self._pending.discard(name)
+            if name == 'pump_command':
+                self._next_step()
+            elif self._pending <= {'pump_command'}:
+                self._sample()
+
+    def _next_step(self) -> None:
+        """Go one step on in lockstep, unless a partner is too far behind."""
+        due = self._step >= 0 and (self._step + 1) % sync.INTERVAL == 0
+        if self._finishing or self._pending or (due and self._unanswered):
+            return
+        if self._steps is not None and self._step + 1 >= self._steps:
+            self._finishing = True
+            self._ask(sync.LAST)
+            return
+        if due:
+            self._ask(sync.ASK)
+        self._step += 1
+        self._pace()
+        stamp = self._stamp()
+        self._clock_message.clock = Time(sec=stamp // BILLION, nanosec=stamp % BILLION)
+        self._held = dict(self._inputs)
+        self._pending = {name for name, topic in self.inputs.items()
+                         if topic.topic.publisher in self.partners}
+        self._clock_publisher.publish(self._clock_message)
+        if self._pending <= {'pump_command'}:
+            self._sample()
+
+    def _ask(self, word: str) -> None:
+        self._unanswered = {name for name in self.partners if name != self.role}
+        self._asked = self._stamp()
+        self.sync.say(word, self._asked, {
+            self.resolve_topic_name(name): output.published
+            for name, output in self.outputs.items()})
+        if word == sync.LAST and not self._unanswered:
+            self._finish()
+
+    def _sample(self) -> None:
+        """Move the drive to this step and publish the readings; a controller answers them."""
+        self._measure()
+        if not self._pending:
+            self._next_step()
+
+    def _measure(self) -> None:
+        """Integrate the last interval with the commands held in it; read the sensors."""
+        first = self._step == 0
+        state = self._state.copy() if first else self._state
+        held = self._inputs if first else self._held
+        inputs = {name: np.array([held[name], value]) for name, value in self._inputs.items()}
+        # The commands of this step act from now on; the readings are taken just before.
+        result = self._drive.simulate(self._times, inputs, state)
+        row = 0 if first else 1
+        truth = {name: float(values[row]) for name, values in result.items()}
+        if not math.isfinite(truth['motor_speed'] + truth['pump_outlet_pressure']):
+            self.stop(1, f'the drive left all bounds at step {self._step}')
+            return
+        truth['oil_temperature'] = self._inputs['oil_temperature']
+        truth['motor_angle'] = float(state[_ANGLE])
+        readings = {**truth, **self._sensors.read(truth)}
+        stamp = self._stamp()
+        for name, output in self.outputs.items():
+            source = truth if name.startswith(TRUTH) else readings
+            output.publish(stamp, *(source[field.channel or 'motor_angle']
+                                    for field in output.topic.fields))
+        self._tell()
+
+    def _tick(self) -> None:
+        """Take the samples that are due in real time; a late tick catches up."""
+        due = (self.now() - self._start) // self._period
+        while self._step < due and self.exit_code is None:
+            self._step += 1
+            self._held = dict(self._inputs)
+            self._measure()
+            if self._steps is not None and self._step + 1 >= self._steps:
+                self._finish()
+
+    def _finish(self) -> None:
+        self._tell(last=True)
+        self.stop(0)
+
+    def _pace(self) -> None:
+        factor = self.settings['speed']
+        if factor:
+            due = self._began + self._step * self._period / BILLION / factor
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    def _tell(self, last: bool = False) -> None:
+        now = time.monotonic()
+        if self.settings['progress'] and (last or now - self._told >= _PROGRESS):
+            self._told = now
+            seconds = (self._step + 1) * self._period / BILLION
+            print(f'progress {seconds:.2f} {now - self._began:.3f}', flush=True)
+
+    def _watch(self) -> None:
+        """In lockstep, give up when a partner does not answer, and say which."""
+        if not (self.partners and (self.lockstep or not self._running)):
+            return
+        if time.monotonic() - self._heard < self.settings['partner_timeout']:
+            return
+        silent = self._unready | self._unanswered | {
+            self.inputs[name].topic.publisher for name in self._pending}
+        where = f'at step {self._step}' if self._running else 'before the start'
+        missing = '' if self._running else f' (not connected: {", ".join(self.not_connected())})'
+        self.stop(1, f'no answer from {", ".join(sorted(silent)) or "itself"} {where} within '
+                  f'{self.settings["partner_timeout"]:g} s{missing}')
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(Plant)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,164 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The recorder: topics as they come, undecoded, into a rosbag2 folder."""
+from __future__ import annotations
+
+from bisect import bisect_right
+import math
+import sys
+import time
+
+from hst_drive.bag.topics import Qos
+from hst_drive.bag.writer import BagWriter
+from hst_drive.errors import InputError
+from hst_drive.nodes import sync, wiring
+from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.endpoints import message_class, qos_profile, stamp_of, topic_named
+from hst_drive.nodes.parameters import Parameter
+
+_DEPTH = 2000
+_QUIET = 0.3   # s without a message after which nothing is under way any more
+
+
+class Recorder(DriveNode):
+    """
+    Writes every message of the chosen topics.
+
+    In real time a message is logged when it comes. In lockstep it is logged at its own stamp,
+    and the messages up to the plant's last question are written, in the order of stamp and
+    topic, once all that their publishers have sent are here.
+    """
+
+    role = 'recorder'
+    parameters = (
+        Parameter('output', '', 'folder to create'),
+        Parameter('topics', [], 'full names of topics to record; empty: those of the table that '
+                  'the partners publish'),
+        Parameter('extra_topics', [], 'readings of the plant that are off by default'),
+        Parameter('truth', False, 'record the values without noise as well'),
+        Parameter('notes', [], 'name=value pairs to keep in the bag\'s metadata'),
+    )
+
+    def configure(self) -> None:
+        """Make out what to record and create the folder."""
+        settings = self.settings
+        if not settings['output']:
+            raise InputError('recorder: parameter output is empty; name the folder to create')
+        nodes = self.partners or wiring.NODES
+        self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'])
+        names = settings['topics'] or [
+            self.resolve_topic_name(topic_named(name).name) for name in self.taken]
+        self._order = {name: place for place, name in enumerate(names)}
+        self._subscriptions_by_name: dict[str, object] = {}
+        self._received = dict.fromkeys(names, 0)
+        self._buffer: list[tuple[int, int, str, bytes]] = []
+        self._expected: dict[int, dict[str, int]] = {}
+        self._told: dict[int, set[str]] = {}
+        self._asked: int | None = None
+        self._last_message = time.monotonic()
+        notes = dict(note.split('=', 1) for note in settings['notes'] if '=' in note)
+        self._bag: BagWriter | None = BagWriter(settings['output'], custom_data=notes)
+
+    def activate(self) -> None:
+        """Begin to look for publishers."""
+        super().activate()
+        self._search = self.create_timer(0.05, self._subscribe_found, clock=self._wall)
+        self.create_timer(1.0, lambda: self._bag and self._bag.flush(), clock=self._wall)
+
+    def not_connected(self) -> list[str]:
+        """Return the topics that have no publisher yet."""
+        return super().not_connected() + [
+            name for name in self._order if name not in self._subscriptions_by_name]
+
+    def said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        """Take the plant's question and the partners' counts."""
+        if word in (sync.ASK, sync.LAST):
+            self._asked = stamp
+        elif word != sync.DONE:
+            return
+        # An answer may overtake the question: they come from different nodes.
+        self._told.setdefault(stamp, set()).add(name)
+        self._expected.setdefault(stamp, {}).update(counts)
+        self._complete()
+
+    def drain(self) -> bool:
+        """Return whether messages may still be under way."""
+        return time.monotonic() - self._last_message < _QUIET
+
+    def deactivate(self) -> None:
+        """Write what is left and close the bag."""
+        if self._bag is None:
+            return
+        self._write(math.inf)
+        bag, self._bag = self._bag, None
+        bag.close()
+        print(f'recorded {bag.message_count}', flush=True)
+
+    def _subscribe_found(self) -> None:
+        for name in self._order:
+            if name in self._subscriptions_by_name:
+                continue
+            found = self.get_publishers_info_by_topic(name)
+            if found:
+                self._subscribe(name, found)
+            elif self.lockstep:
+                break   # one order of topics in the bag, whoever came up first
+        if len(self._subscriptions_by_name) == len(self._order):
+            self.destroy_timer(self._search)
+
+    def _subscribe(self, name: str, publishers) -> None:
+        """Subscribe with what all publishers offer, else the middleware would not match them."""
+        profiles = [entry.qos_profile for entry in publishers]
+        offered = Qos(
+            'best_effort' if any(p.reliability.name == 'BEST_EFFORT' for p in profiles)
+            else 'reliable',
+            'volatile' if any(p.durability.name == 'VOLATILE' for p in profiles)
+            else 'transient_local')
+        first = publishers[0]
+        self._bag.add_topic(name, first.topic_type, type_hash=str(first.topic_type_hash),
+                            qos=offered)
+        self._subscriptions_by_name[name] = self.create_subscription(
+            message_class(first.topic_type), name,
+            lambda data, name=name: self._take(name, data), qos_profile(offered, _DEPTH), raw=True)
+
+    def _take(self, name: str, data: bytes) -> None:
+        self._last_message = time.monotonic()
+        stamp = stamp_of(data)
+        if not self.lockstep:
+            self._bag.write(name, data, self.now(), stamp)
+            return
+        self._received[name] += 1
+        self._buffer.append((stamp, self._order[name], name, data))
+        self._complete()
+
+    def _complete(self) -> None:
+        """Answer the plant once every message up to the step it asked for is written."""
+        asked = self._asked
+        if asked is None or len(self._told.get(asked, ())) < len(self.partners) - 1:
+            return
+        # A topic's messages come in their order, so the count alone says that all are here.
+        expected = self._expected[asked]
+        if any(self._received[name] < expected.get(name, 0) for name in self._order):
+            return
+        self._write(asked)
+        self.sync.say(sync.DONE, asked)
+        self._asked = None
+        for known in [stamp for stamp in self._told if stamp <= asked]:
+            del self._told[known], self._expected[known]
+
+    def _write(self, end: float) -> None:
+        """Write what is held up to this stamp."""
+        self._buffer.sort(key=lambda entry: entry[:2])
+        count = bisect_right(self._buffer, end, key=lambda entry: entry[0])
+        for stamp, _, name, data in self._buffer[:count]:
+            self._bag.write(name, data, stamp, stamp)
+        del self._buffer[:count]
+
+
+def main() -> int:
+    """Run the node."""
+    return run_node(Recorder)
+
+
+if __name__ == '__main__':
+    sys.exit(main())

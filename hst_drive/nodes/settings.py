@@ -1,0 +1,72 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Effects as text, the form in which they pass through a command line and a ROS parameter."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+import math
+import re
+
+from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
+from hst_drive.units import parse_header, si_unit, to_si, UnitError
+
+_FORM = re.compile(r'([\w-]+)(?:\.([\w-]+)\s*=\s*([^\[\]\s]+)\s*(\[[^\]]*\])?)?')
+
+
+def parse_effects(texts: Iterable[str]) -> dict[str, dict[str, float]]:
+    """
+    Read effects given as ``id.parameter=value``, ``id.parameter=value[unit]`` or ``id``.
+
+    Without a unit the value is in SI; a parameter that is not given has its typical value.
+
+    Returns
+    -------
+    dict
+        Effect id to parameter values in SI.
+
+    Raises
+    ------
+    InputError
+        If a text has another form, or names an effect or a parameter that does not exist.
+
+    """
+    effects: dict[str, dict[str, float]] = {}
+    for text in texts:
+        if not text.strip():
+            continue
+        match = _FORM.fullmatch(text.strip())
+        if not match:
+            raise InputError(f"effect '{text}': expected id.parameter=value or "
+                             'id.parameter=value[unit]')
+        name, parameter, value, unit = match.groups()
+        _known('effect', name, catalogue(), text)
+        values = effects.setdefault(name, {})
+        if parameter:
+            declared = {entry.name: entry for entry in catalogue()[name].parameters}
+            _known(f'parameter of {name}', parameter, declared, text)
+            values[parameter] = _number(text, value, unit, declared[parameter].unit)
+    return effects
+
+
+def _known(what: str, name: str, known, text: str) -> None:
+    if name not in known:
+        near = get_close_matches(name, known, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f'known: {", ".join(known)}'
+        raise InputError(f"effect '{text}': unknown {what} '{name}'; {hint}")
+
+
+def _number(text: str, value: str, unit: str | None, expected: str) -> float:
+    try:
+        number = float(value)
+        if unit:
+            unit = parse_header(f'value{unit}')[1]
+            if si_unit(unit) != expected:
+                raise UnitError(f'[{unit}] is no unit of [{expected}]')
+            number = float(to_si(number, unit))
+    except (UnitError, ValueError) as error:
+        raise InputError(f"effect '{text}': {error}; expected a number in [{expected}]") from None
+    if not math.isfinite(number):
+        raise InputError(f"effect '{text}': expected a finite number in [{expected}]")
+    return number

@@ -1,0 +1,62 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which node reads which topics; who publishes them is in the table of topics. No ROS here."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from hst_drive.bag.topics import TOPICS
+from hst_drive.errors import InputError
+
+NODES = ('plant', 'load_profile', 'controller', 'estimator', 'recorder')
+
+READS: dict[str, tuple[str, ...]] = {
+    'plant': ('pump_command', 'pprv_command', 'oil_temperature_command', 'sync'),
+    'load_profile': ('/clock', 'sync'),
+    'controller': ('motor', 'speed_setpoint', 'manual_pump_command', 'sync'),
+    'estimator': ('motor', 'pump_outlet_pressure', 'motor_inlet_flow', 'sync'),
+    'recorder': ('sync',),
+}
+"""Topics by reader; the recorder reads those that it is asked to record as well."""
+
+
+def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
+    """
+    Return the names of the topics that the plant publishes as a rig's sensors would.
+
+    Parameters
+    ----------
+    extra : iterable of str
+        Topics that are off by default and shall be on.
+
+    Raises
+    ------
+    InputError
+        If a name is not one of the plant's topics.
+
+    """
+    own = {name: topic for name, topic in TOPICS.items()
+           if topic.publisher == 'plant' and topic.recorded and not name.startswith('/')}
+    extra = tuple(extra)
+    for name in extra:
+        if name not in own:
+            raise InputError(f"extra_topics: the plant has no topic '{name}'; "
+                             f"it has {', '.join(own)}")
+    return tuple(name for name, topic in own.items() if topic.on or name in extra)
+
+
+def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False
+             ) -> tuple[str, ...]:
+    """Return the names of the topics to record when these nodes run, in the table's order."""
+    nodes, sensors = set(nodes), readings(extra)
+    names = [name for name, topic in TOPICS.items()
+             if topic.publisher in nodes and topic.recorded
+             and (topic.on if topic.publisher != 'plant' else name in sensors)]
+    return (*names, *(f'truth/{name}' for name in sensors if truth))
+
+
+def readers(topic: str, partners: Iterable[str], taken: Iterable[str]) -> int:
+    """Return how many of the partners read a topic; ``taken`` is what the recorder takes."""
+    taken = set(taken)
+    return sum(topic in READS.get(node, ()) or (node == 'recorder' and topic in taken)
+               for node in partners)
