@@ -1,0 +1,47 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Arguments that several verbs share."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hst_drive.measure.run import Run
+    from hst_drive.rig import Rig
+
+
+def add_log_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare LOG..., --rig and --channels."""
+    parser.add_argument('logs', metavar='LOG', nargs='+',
+                        help='CSV file, rosbag2 folder or .mcap file')
+    add_rig_argument(parser)
+    parser.add_argument('--channels', metavar='MAP.yaml',
+                        help='foreign column or topic names, and units, to ours')
+
+
+def add_rig_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare --rig."""
+    parser.add_argument('--rig', metavar='RIG.yaml',
+                        help='the rig the model stands for (default: the shipped test rig)')
+
+
+def rig_of(args: argparse.Namespace) -> Rig:
+    """Return the rig that was asked for."""
+    from hst_drive.rig import default_rig, load_rig
+
+    return load_rig(args.rig) if args.rig else default_rig()
+
+
+def read_logs(paths: list[str], channels: str | None) -> list[Run]:
+    """Read logs; where two have one name, the folder tells them apart."""
+    from dataclasses import replace
+
+    from hst_drive.bag import load_channel_map, read_log
+
+    mapping = load_channel_map(channels) if channels else None
+    runs = [read_log(path, mapping) for path in paths]
+    names = [run.name for run in runs]
+    return [replace(run, name=f'{Path(path).resolve().parent.name}/{run.name}')
+            if names.count(run.name) > 1 else run for run, path in zip(runs, paths)]

@@ -1,0 +1,153 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verb ``compare``: recordings beside the model.
+
+Replays the measured inputs through the model and says, signal by signal, how far it is off and
+where. 'x floor' is the error over what a perfect model would still show: 1 is perfect.
+"""
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
+from hst_drive.cli.output import add_json_argument, say, table, write_json
+
+if TYPE_CHECKING:
+    from hst_drive.measure.compare import Comparison
+    from hst_drive.measure.errors import ErrorSummary
+
+HELP = 'replay recordings through the model: how well does it fit, and where not'
+_CLEAR = 1.25   # a noise ratio above it is an error to look at
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_log_arguments(parser)
+    parser.add_argument('--closed-loop', action='store_true',
+                        help='let the PI controller command the pump, and compare the command too')
+    parser.add_argument('--plot', metavar='FILE.png',
+                        help='draw measured, model and error (several logs: one file each)')
+    add_json_argument(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare and print."""
+    from hst_drive.measure.compare import compare
+    from hst_drive.model import Drive
+
+    rig = rig_of(args)
+    runs = read_logs(args.logs, args.channels)
+    for entry in runs:
+        for note in entry.notes:
+            say(f'{entry.name}: {note}')
+    result = compare(Drive(rig), runs, closed_loop=args.closed_loop)
+    # With the JSON on standard output, nothing else may stand there.
+    if args.json != '-':
+        print(text(result))
+    if args.json:
+        write_json(as_json(result, rig.source), args.json)
+    if args.plot:
+        _plot(result, args.plot)
+    return 0
+
+
+def text(result: Comparison) -> str:
+    """Return the comparison for a terminal."""
+    lines = [_sentence(result), '']
+    lines.append(_table(result.signals))
+    if len(result.logs) > 1:
+        rows = [[log.run.name, *(log.signals[name].noise_ratio if name in log.signals else None
+                                 for name in result.signals)] for log in result.logs]
+        lines += ['', 'error over floor, log by log:', table(['log', *result.signals], rows)]
+    if result.where:
+        lines += ['', 'where the error sits:', _where(result)]
+    delays = [f'{log.run.name}: {name} is {abs(delay) * 1e3:.1f} ms '
+              f'{"late" if delay > 0 else "early"}' for log in result.logs
+              for name, delay in log.delays.items()
+              if abs(delay) > max(0.2 * log.run.sample_time, 1e-3)]
+    if delays:
+        lines += ['', 'timing (measured against model):', *delays]
+    return '\n'.join(lines)
+
+
+def _sentence(result: Comparison) -> str:
+    ratios = {name: entry.noise_ratio for name, entry in result.signals.items() if entry.samples}
+    worst = max(ratios, key=ratios.get)
+    from hst_drive.measure.run import CHANNELS
+
+    logs = f'{len(result.logs)} logs' if len(result.logs) > 1 else result.logs[0].run.name
+    if ratios[worst] <= _CLEAR:
+        return f"{logs}: '{result.rig}' explains the measurements down to the noise " \
+               f'(worst: {CHANNELS[worst].title}, {ratios[worst]:.2f} x floor).'
+    return f"{logs}: '{result.rig}' does not explain the measurements: the error of " \
+           f'{CHANNELS[worst].title} is {ratios[worst]:.1f} times what a perfect model would show.'
+
+
+def _table(signals: dict[str, ErrorSummary]) -> str:
+    from hst_drive.measure.run import CHANNELS
+    from hst_drive.units import difference_from_si
+
+    rows = []
+    for name, entry in signals.items():
+        unit = CHANNELS[name].display
+        rows.append([f'{CHANNELS[name].title} [{unit}]',
+                     *(difference_from_si(value, unit) for value in (
+                         entry.rmse, entry.bias, entry.max_abs, entry.noise_std, entry.floor)),
+                     entry.noise_ratio, 100 * entry.fit,
+                     *(100 * value for value in entry.russell)])
+    return table(['signal', 'rmse', 'bias', 'max', 'noise', 'floor', 'x floor', 'fit %',
+                  'Russell M %', 'P %', 'C %'], rows)
+
+
+def _where(result: Comparison) -> str:
+    from hst_drive.measure.run import CHANNELS
+    from hst_drive.measure.where import TRANSIENT
+    from hst_drive.units import from_si
+
+    rows = []
+    for region in result.where:
+        if region.variable == TRANSIENT:
+            title, unit, low, high = 'rate of pressure', 'bar/s', region.low / 1e5, \
+                region.high / 1e5
+        else:
+            channel = CHANNELS[region.variable]
+            title, unit = channel.title, channel.display
+            low, high = from_si(region.low, unit), from_si(region.high, unit)
+        rows.append([CHANNELS[region.signal].title, f'{title} {low:.4g} to {high:.4g} {unit}',
+                     f'{100 * region.share_of_error:.0f} %', f'{100 * region.share_of_time:.0f} %',
+                     f'{100 * region.explained:.0f} %'])
+    return table(['error of', 'at', 'share of error', 'share of time', 'explained by it'], rows)
+
+
+def as_json(result: Comparison, rig: str) -> dict:
+    """Return the comparison in the form of schema hst_drive/comparison/1."""
+    return {
+        'schema': 'hst_drive/comparison/1', 'rig': rig or result.rig,
+        'logs': [log.run.source for log in result.logs], 'closed_loop': result.closed_loop,
+        'signals': _signals_json(result.signals),
+        'where': [region._asdict() for region in result.where],
+        'by_log': [{'log': log.run.source, 'signals': _signals_json(log.signals),
+                    'delays': {'unit': 's', **log.delays}} for log in result.logs],
+    }
+
+
+def _signals_json(signals: dict[str, ErrorSummary]) -> dict:
+    return {name: {**entry._asdict(), 'russell': entry.russell._asdict()}
+            for name, entry in signals.items()}
+
+
+def _plot(result: Comparison, target: str) -> None:
+    from pathlib import Path
+
+    from hst_drive.report.figures import comparison_figure
+
+    path = Path(target)
+    for log in result.logs:
+        safe = ''.join(letter if letter.isalnum() or letter in '-_' else '_'
+                       for letter in log.run.name)
+        single = path if len(result.logs) == 1 else path.with_name(
+            f'{path.stem}_{safe}{path.suffix}')
+        comparison_figure(log, single)
+        say(f'wrote {single}')

@@ -1,0 +1,168 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Operating points of the drive, and its linearised motion about them."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import logm
+from scipy.optimize import brentq
+
+from hst_drive.errors import InputError
+from hst_drive.model.compose import STATES
+from hst_drive.model.drive import Drive
+from hst_drive.model.parameters import INDEX
+
+STEADY_STATES = ('displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure')
+_SCALES = np.array([1e-7, 1e5, 0.1, 1e5])
+_MOMENT = 1e-4      # s: the state's rate is the change over so short a time
+
+
+class OperatingPoint(NamedTuple):
+    """A steady state: inputs (V, V, K), state vector and readings (SI)."""
+
+    pump_command: float
+    pprv_command: float
+    oil_temperature: float
+    state: np.ndarray
+    readings: dict[str, float]
+
+
+class LinearModel(NamedTuple):
+    """
+    Motion about an operating point, ``dx/dt = A x + B u``, ``y = C x + D u``.
+
+    States ``STEADY_STATES``; inputs pump command (V) and PPRV command (V); output hydromotor
+    speed (rad/s).
+    """
+
+    a: np.ndarray
+    b: np.ndarray
+    c: np.ndarray
+    d: np.ndarray
+    states: tuple[str, ...]
+
+
+def operating_point(drive: Drive, speed: float, load_torque: float | None = None, *,
+                    pprv_command: float | None = None,
+                    oil_temperature: float | None = None) -> OperatingPoint:
+    """
+    Find the commands that hold a speed under a load.
+
+    Parameters
+    ----------
+    drive : Drive
+        The model.
+    speed : float
+        Hydromotor, rad/s, above standstill.
+    load_torque : float, optional
+        N.m at the hydromotor shaft; alternatively ``pprv_command`` (V).
+    oil_temperature : float, optional
+        K; by default that of the tables.
+
+    Raises
+    ------
+    InputError
+        If the rig cannot reach the speed or the load.
+
+    """
+    temperature = drive.rig.characterised_at if oil_temperature is None else oil_temperature
+    if pprv_command is None:
+        if load_torque is None:
+            raise ValueError('give load_torque or pprv_command')
+        pprv_command = _pprv_command(drive, speed, load_torque, temperature)
+    pressure = _steady_pressure(drive, speed, pprv_command, temperature)
+
+    def flow_missing(command: float) -> float:
+        return _flow_rate(drive, command, pprv_command, temperature, speed, pressure)
+
+    table = drive.rig.pump.displacement
+    low, high = table.x[0], table.x[-1]
+    if flow_missing(high) < 0 or flow_missing(low) > 0:
+        raise InputError(f'{drive.rig.name}: {speed:.4g} rad/s under {pressure / 1e5:.4g} bar is '
+                         'beyond what the pump gives; choose a lower speed or load')
+    command = brentq(flow_missing, low, high, xtol=1e-10)
+    state = _state(drive, command, pprv_command, speed, pressure)
+    readings = drive.outputs(state, pump_command=command, pprv_command=pprv_command,
+                             oil_temperature=temperature)
+    return OperatingPoint(command, pprv_command, temperature, state, readings)
+
+
+def _state(drive: Drive, command: float, pprv_command: float, speed: float,
+           pressure: float) -> np.ndarray:
+    return drive.initial_state(pump_command=command, pprv_command=pprv_command,
+                               pressure=pressure, speed=speed)
+
+
+def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: float) -> float:
+    table = drive.rig.loading.pprv_pressure
+
+    def missing(command: float) -> float:
+        torque = drive.load_torque(np.array([0.0, 1.0]), np.full(2, command), np.full(2, speed),
+                                   np.full(2, temperature))[0]
+        return float(torque) - load_torque
+
+    low, high = float(table.x[0]), float(table.x[-1])
+    if missing(high) < 0:
+        raise InputError(f'{drive.rig.name}: a load of {load_torque:.4g} N.m is more than the '
+                         'loading unit brakes; choose a lower load')
+    if missing(low) > 0:
+        return low
+    return float(brentq(missing, low, high, xtol=1e-10))
+
+
+def _readings(drive: Drive, command: float, pprv_command: float, temperature: float, speed: float,
+              pressure: float) -> dict[str, float]:
+    return drive.outputs(_state(drive, command, pprv_command, speed, pressure),
+                         pump_command=command, pprv_command=pprv_command,
+                         oil_temperature=temperature)
+
+
+def _steady_pressure(drive: Drive, speed: float, pprv_command: float,
+                     temperature: float) -> float:
+    def torque_missing(pressure: float) -> float:
+        found = _readings(drive, 5.0, pprv_command, temperature, speed, pressure)
+        return found['motor_torque_hydraulic'] - found['load_torque']
+
+    top = 2 * drive.parameters[INDEX['relief_set_pressure']]
+    if torque_missing(top) < 0:
+        raise InputError(f'{drive.rig.name}: the load needs more pressure than the relief valve '
+                         'allows; choose a lower load')
+    return float(brentq(torque_missing, 0.0, top, xtol=1e-3)) if torque_missing(0.0) < 0 else 0.0
+
+
+def _flow_rate(drive: Drive, command: float, pprv_command: float, temperature: float,
+               speed: float, pressure: float) -> float:
+    found = _readings(drive, command, pprv_command, temperature, speed, pressure)
+    return found['pump_flow'] - found['relief_flow'] - found['motor_inlet_flow']
+
+
+def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
+    """Return the linear model about an operating point, by central differences."""
+    def rate(state: np.ndarray, pump_command: float, pprv_command: float) -> np.ndarray:
+        full = point.state.copy()
+        full[:4] = state
+        full[5] = full[7] = state[2]
+        full[8] = pump_command
+        after = drive.advance(full, _MOMENT, pump_command=pump_command, pprv_command=pprv_command,
+                              oil_temperature=point.oil_temperature)
+        return after[:4] - state
+
+    state = point.state[:4]
+    commands = np.array([point.pump_command, point.pprv_command])
+    # The change over a short time is (expm(A*h) - 1): its logarithm gives A without bias.
+    transition = np.empty((6, 6))
+    transition[:] = np.eye(6)
+    for k, step in enumerate([*_SCALES, 1e-3, 1e-3]):
+        shift = np.zeros(6)
+        shift[k] = step
+        moved = [rate(state + sign * shift[:4], *(commands + sign * shift[4:]))
+                 + sign * shift[:4] for sign in (1, -1)]
+        transition[:4, k] = (moved[0] - moved[1]) / (2 * step)
+    scales = np.concatenate([_SCALES, [1.0, 1.0]])
+    scaled = transition * scales[None, :] / scales[:, None]
+    generator = np.real(logm(scaled)) / _MOMENT * scales[:, None] / scales[None, :]
+    output = np.array([[0.0, 0.0, 1.0, 0.0]])
+    return LinearModel(generator[:4, :4], generator[:4, 4:], output, np.zeros((1, 2)),
+                       STATES[:4])

@@ -1,0 +1,78 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Figures for papers and screens, drawn with matplotlib (optional, imported on use)."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from hst_drive.errors import InputError
+from hst_drive.measure.compare import LogComparison
+from hst_drive.measure.run import CHANNELS
+from hst_drive.units import difference_from_si, from_si
+
+# Okabe and Ito's colours, told apart by colour-blind readers.
+MEASURED, MODEL, RESIDUAL = '#000000', '#D55E00', '#0072B2'
+
+
+def _pyplot():
+    try:
+        import matplotlib
+    except ImportError:
+        raise InputError("matplotlib is not installed; plots need it: "
+                         "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+    return pyplot
+
+
+def comparison_figure(log: LogComparison, path: str | Path) -> None:
+    """
+    Draw measured and modelled signals of one log, the error under each, into a PNG or PDF.
+
+    Raises
+    ------
+    InputError
+        If matplotlib is missing or the file cannot be written.
+
+    """
+    pyplot = _pyplot()
+    names = list(log.signals)
+    heights = [height for _ in names for height in (2.0, 1.0)]
+    figure, axes = pyplot.subplots(
+        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.55 * len(names)),
+        gridspec_kw={'height_ratios': heights, 'hspace': 0.12}, squeeze=False)
+    for index, name in enumerate(names):
+        channel, errors = CHANNELS[name], log.signals[name]
+        top, bottom = axes[2 * index, 0], axes[2 * index + 1, 0]
+        model, measured = log.model[name], log.run[name]
+        top.plot(log.run.time, from_si(measured, channel.display), color=MEASURED, lw=0.7,
+                 label='measured')
+        top.plot(log.run.time, from_si(model, channel.display), color=MODEL, lw=0.9,
+                 label='model')
+        top.set_ylabel(f'{channel.title}\n[{channel.display}]', fontsize=7)
+        top.set_title(f'rmse {errors.noise_ratio:.2f} x floor', fontsize=7, loc='right', pad=2)
+        bottom.plot(log.run.time, difference_from_si(model - measured, channel.display),
+                    color=RESIDUAL, lw=0.5)
+        floor = difference_from_si(errors.floor, channel.display)
+        bottom.axhspan(-2 * floor, 2 * floor, color='0.85', zorder=0)
+        spread = np.nanmax(np.abs(difference_from_si(model - measured, channel.display)))
+        bottom.set_ylim(-1.05 * max(spread, 2 * floor), 1.05 * max(spread, 2 * floor))
+        bottom.set_ylabel('error', fontsize=7)
+        for axis in (top, bottom):
+            axis.tick_params(labelsize=7)
+            axis.grid(alpha=0.25, lw=0.4)
+    axes[0, 0].legend(loc='lower left', bbox_to_anchor=(0, 1.0), ncol=2, fontsize=7,
+                      frameon=False, borderpad=0.1)
+    axes[-1, 0].set_xlabel('time [s]', fontsize=8)
+    figure.suptitle(f'{log.run.name}: measured and model (grey: twice the floor)', fontsize=9,
+                    y=0.995)
+    figure.align_ylabels()
+    try:
+        figure.savefig(path, dpi=150, bbox_inches='tight')
+    except (OSError, ValueError) as error:
+        raise InputError(f'{path}: cannot be written ({error}); use a name ending in .png or '
+                         '.pdf in a folder that exists') from None
+    finally:
+        pyplot.close(figure)
