@@ -71,7 +71,8 @@ def read_bag(path: Path, channel_map: ChannelMap) -> Run:
         codec = Codec(stream.type, stream.definition)
         times, values = _read(stream, codec, [pick.path for pick in chosen], str(path))
         stamped.append((stream, times))
-        signals.append([(pick, values[pick.path]) for pick in chosen])
+        signals.append([(pick, values[pick.path]) for pick in chosen
+                        if not _left_empty(pick, values[pick.path])])
     stamps = _common_clock(stamped, notes)
     return align([Signal(pick.entry.channel, at, pick.entry.to_si(
         raw, pick.unit, pick.absolute)) for at, group in zip(stamps, signals)
@@ -175,6 +176,11 @@ def _common_clock(stamped: Sequence[tuple[Stream, np.ndarray | None]],
         return published
     notes.append(f'{", ".join(bare)}: no stamps; the times of publishing are used')
     return [times if good else other for (_, times), other, good in zip(stamped, published, own)]
+
+
+def _left_empty(pick: Pick, values: np.ndarray) -> bool:
+    """Tell whether a sequence that its message may leave empty (JointState) is empty."""
+    return not pick.entry.source and '[' in pick.path and bool(np.isnan(values).all())
 
 
 def _usable(times: np.ndarray | None) -> bool:

@@ -1,0 +1,119 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A recorder that is killed, and files that are cut: what is there can be saved."""
+import os
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+from hst_drive.bag import read_log, recover, write_run
+from hst_drive.errors import InputError
+from hypothesis import given, settings, strategies as st
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Reader
+
+from .records import make_run
+
+ROOT = Path(__file__).parents[2]
+RECORDER = """
+import sys
+from hst_drive.bag import BagWriter
+from hst_drive.bag.cdr import Codec
+from hst_drive.bag.definitions import find_definition
+kind = 'geometry_msgs/msg/Vector3Stamped'
+codec = Codec(kind, find_definition(kind))
+bag = BagWriter(sys.argv[1])
+bag.add_topic('/drive/pump_command', kind)
+index = 0
+while True:
+    at = 10**18 + index * 10**7
+    bag.write('/drive/pump_command', codec.encode({
+        'header': {'stamp': {'sec': at // 10**9, 'nanosec': at % 10**9}},
+        'vector': {'x': float(index)}}), at)
+    index += 1
+    if index % 1000 == 0:
+        print(index, flush=True)
+"""
+
+
+def test_a_killed_recorder_loses_at_most_a_second_of_data(tmp_path):
+    folder = tmp_path / 'killed'
+    process = subprocess.Popen(
+        [sys.executable, '-c', RECORDER, str(folder)], stdout=subprocess.PIPE, text=True,
+        env={**os.environ, 'PYTHONPATH': str(ROOT)})
+    written = 0
+    while written < 5000:
+        written = int(process.stdout.readline())
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    with pytest.raises(InputError, match='cut off .* messages can be read; save them with: '
+                                         f'hst-drive recover {folder} -o {folder}_recovered'):
+        read_log(folder)
+    found = recover(folder, tmp_path / 'saved')
+    assert found.messages >= written - 100
+    assert found.damaged == 0
+    run = read_log(tmp_path / 'saved')
+    np.testing.assert_array_equal(run['pump_command'], np.arange(found.messages, dtype=float))
+    with Reader(tmp_path / 'saved') as reader:
+        assert reader.message_count == found.messages
+
+
+@settings(max_examples=25, deadline=None)
+@given(share=st.floats(0.001, 0.999))
+def test_a_cut_file_is_told_and_its_whole_part_saved(tmp_path_factory, share):
+    tmp_path = tmp_path_factory.mktemp('cut')
+    run = make_run(600)
+    write_run(tmp_path / 'b', run)
+    path = tmp_path / 'b' / 'b_0.mcap'
+    data = path.read_bytes()
+    path.write_bytes(data[:int(len(data) * share)])
+    with pytest.raises(InputError) as why:
+        read_log(tmp_path / 'b')
+    assert '\n' not in str(why.value)
+    if 'save them' not in str(why.value):
+        assert 'nothing can be read' in str(why.value) or 'not an MCAP' in str(why.value)
+        return
+    recover(tmp_path / 'b', tmp_path / 'saved')
+    back = read_log(tmp_path / 'saved')
+    for name in back.channels:
+        np.testing.assert_allclose(back[name], run[name][:len(back)], rtol=1e-12, atol=1e-9)
+
+
+def test_the_chunks_beside_a_damaged_one_are_saved(tmp_path):
+    run = make_run(1000)
+    write_run(tmp_path / 'b', run)
+    path = tmp_path / 'b' / 'b_0.mcap'
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 255
+    path.write_bytes(data)
+    found = recover(path, tmp_path / 'saved')
+    assert found.damaged == 1
+    assert found.messages == 6 * 900
+    back = read_log(tmp_path / 'saved')
+    assert len(back) == 900
+
+
+def test_a_whole_bag_is_recovered_as_it_was(tmp_path):
+    run = make_run()
+    write_run(tmp_path / 'b', run)
+    recover(tmp_path / 'b', tmp_path / 'saved')
+    with Reader(tmp_path / 'b') as one, Reader(tmp_path / 'saved') as other:
+        assert [c._replace(owner=None) for c in one.connections] == [
+            c._replace(owner=None) for c in other.connections]
+        assert [(c.topic, at, raw) for c, at, raw in one.messages()] == [
+            (c.topic, at, raw) for c, at, raw in other.messages()]
+
+
+@pytest.mark.parametrize('make, said', [
+    (lambda path: None, 'no such file'),
+    (lambda path: path.mkdir(), 'no MCAP file'),
+    (lambda path: path.write_text('x'), 'no MCAP file'),
+    (lambda path: path.write_bytes(b'\x89MCAP0\r\n'), 'not a single message'),
+])
+def test_what_cannot_be_recovered(tmp_path, make, said):
+    make(tmp_path / 'b')
+    with pytest.raises(InputError, match=said):
+        recover(tmp_path / 'b', tmp_path / 'saved')
+    assert not (tmp_path / 'saved').exists()
