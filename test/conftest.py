@@ -1,0 +1,34 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What all tests share: their own corner of ROS 2, and the markers."""
+from importlib.util import find_spec
+import os
+import sys
+
+from hst_drive.resources import share
+import pytest
+
+# Before any rclpy: the nodes that tests start see each other and nothing else.
+os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 101)
+os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+os.environ.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(share('config/fastdds_local.xml')))
+os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)
+
+MARKERS = {
+    'slow': 'takes long without numba; left out with the oldest versions',
+    'needs_numba': 'tests the compiled path; skipped where numba is not installed',
+}
+
+
+def pytest_configure(config):
+    """Declare the markers."""
+    for name, meaning in MARKERS.items():
+        config.addinivalue_line('markers', f'{name}: {meaning}')
+
+
+def pytest_collection_modifyitems(items):
+    """Skip what this environment lacks."""
+    if find_spec('numba') is None:
+        for item in items:
+            if item.get_closest_marker('needs_numba'):
+                item.add_marker(pytest.mark.skip(reason='numba is not installed'))

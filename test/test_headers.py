@@ -1,0 +1,32 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Licence headers, and the version that three files state."""
+from pathlib import Path
+import re
+from xml.etree import ElementTree
+
+import hst_drive
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ('hst_drive', 'launch', 'test', 'config', 'scripts', '.ci')
+# CSV files have no comments and are left out.
+ENDINGS = ('.py', '.yaml', '.yml', '.xml', '')
+FILES = [*(ROOT / name for name in ('dev', 'setup.py', 'package.xml')),
+         *(path for folder in FOLDERS for path in sorted((ROOT / folder).rglob('*'))
+           if path.is_file() and path.suffix in ENDINGS and '__pycache__' not in path.parts)]
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_states_the_licence(path):
+    """Each file names its licence within the first lines."""
+    head = path.read_text(encoding='utf-8').splitlines()[:6]
+    assert any('SPDX-License-Identifier: Apache-2.0' in line for line in head)
+
+
+def test_one_version():
+    """The package, package.xml and the changelog agree."""
+    stated = ElementTree.parse(ROOT / 'package.xml').findtext('version')
+    assert stated == hst_drive.__version__
+    changelog = (ROOT / 'CHANGELOG.rst').read_text(encoding='utf-8')
+    assert re.search(r'^(\d+\.\d+\.\d+) ', changelog, re.MULTILINE)[1] == stated

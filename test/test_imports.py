@@ -1,0 +1,85 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The architecture, read from the import statements: who may know whom."""
+import ast
+from pathlib import Path
+
+import hst_drive
+import pytest
+
+PACKAGE = Path(hst_drive.__file__).parent
+BASE = {'errors', 'units'}
+MODEL = BASE | {'effects', 'resources', 'rig', 'model'}
+PURE = MODEL | {'control', 'load', 'losses', 'measure'}
+ABOVE = PURE | {'bag', 'diagnose'}
+
+# Part of the package -> parts that it may import.
+MAY_IMPORT = {
+    'errors': set(), 'units': set(), 'resources': {'errors'},
+    'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
+    'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
+    'measure': PURE, 'bag': BASE | {'measure'}, 'diagnose': ABOVE,
+    'nodes': PURE | {'bag'},
+    'report': ABOVE, 'workbench': ABOVE | {'report'},
+    'cli': ABOVE | {'nodes', 'report', 'workbench'}, '__main__': {'cli'},
+}
+
+# Foreign package -> the only parts that may import it.
+ONLY_IN = {
+    'rclpy': {'nodes'}, 'rcl_interfaces': {'nodes'}, 'builtin_interfaces': {'nodes'},
+    'std_msgs': {'nodes'}, 'sensor_msgs': {'nodes'}, 'geometry_msgs': {'nodes'},
+    'diagnostic_msgs': {'nodes'}, 'rosgraph_msgs': {'nodes'}, 'ros2cli': {'cli'},
+    'mcap': {'bag'}, 'lz4': {'bag'}, 'zstandard': {'bag'}, 'sqlite3': {'bag'},
+    'yaml': {'rig', 'bag', 'load', 'nodes', 'cli', 'diagnose', 'report'}, 'numba': {'model'},
+    'matplotlib': {'cli', 'report'}, 'plotly': {'report', 'workbench'}, 'dash': {'workbench'},
+}
+SILENT = ['units', 'errors', 'resources', 'rig', 'effects', 'model', 'control', 'load', 'losses',
+          'measure', 'bag', 'diagnose']
+
+
+def part(path: Path) -> str:
+    """Return the part of the package to which a file belongs."""
+    return path.relative_to(PACKAGE).parts[0].removesuffix('.py')
+
+
+FILES = [path for path in sorted(PACKAGE.rglob('*.py')) if path != PACKAGE / '__init__.py']
+
+
+def imported(path: Path) -> set[str]:
+    """Return the dotted names that a file imports anywhere in its code."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f'{path}: write imports in full'
+            names |= {f'{node.module}.{alias.name}' for alias in node.names}
+    return names
+
+
+def test_every_part_has_its_place():
+    """A new folder states here whom it may import."""
+    assert {part(path) for path in FILES} <= set(MAY_IMPORT)
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_one_way(path):
+    """A file imports only parts below its own, and foreign packages only in their place."""
+    own = part(path)
+    for name in imported(path):
+        top, _, rest = name.partition('.')
+        if top == 'hst_drive':
+            known = rest.partition('.')[0]
+            allowed = MAY_IMPORT[own] | {own}
+            assert known in allowed or known not in MAY_IMPORT, f'{own} may not import {name}'
+        else:
+            assert own in ONLY_IN.get(top, {own}), f'{own} may not import {top}'
+
+
+@pytest.mark.parametrize('path', [path for path in FILES if part(path) in SILENT],
+                         ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_library_does_not_print(path):
+    """What the user reads is said by verbs and nodes."""
+    calls = [node for node in ast.walk(ast.parse(path.read_text(encoding='utf-8')))
+             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
+    assert not [call.lineno for call in calls if call.func.id == 'print']
