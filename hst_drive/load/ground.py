@@ -140,7 +140,6 @@ class Ground(Profile):
 
     """
 
-
     def __init__(self, layers: list[Layer], bit: Bit, speed: Profile, duration: float, *,
                  start: float = 0.0, seed: int = 0, scale: float = 1.0):
         # 10 ms: several times below the PPRV's lag. Long runs get a coarser grid.
