@@ -51,7 +51,7 @@ setup(
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     data_files=data_files,
     python_requires='>=3.10',
-    install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.1'],
+    install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.5'],
     extras_require={
         'fast': ['numba>=0.59'],
         'plot': ['matplotlib>=3.6'],

@@ -13,7 +13,7 @@ from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import ChannelMap, Entry
 from hst_drive.bag.mcap_bag import Stream
 from hst_drive.bag.rosbag2 import read_bag_streams
-from hst_drive.bag.topics import STANDARD_UNITS, TOPICS
+from hst_drive.bag.topics import CHANNEL_FIELDS, STANDARD_UNITS, TOPICS
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import si_unit
@@ -21,6 +21,7 @@ import numpy as np
 
 _SEC, _NANOSEC = 'header.stamp.sec', 'header.stamp.nanosec'
 _SHOWN = 12
+_CARRIERS = {topic.name for topic, _ in CHANNEL_FIELDS.values()}
 _APART = 1_000_000_000
 """Stamps further than this (ns) from the receive time are of another clock."""
 
@@ -54,7 +55,7 @@ def read_bag(path: Path, channel_map: ChannelMap) -> Run:
     mapped = {entry.topic_and_path()[0] for entry in channel_map.entries.values()}
     notes: list[str] = []
     streams = read_bag_streams(
-        path, lambda topic: topic in mapped or _tail(topic) in TOPICS, notes)
+        path, lambda topic: topic in mapped or _tail(topic) in _CARRIERS, notes)
     picks = _own_picks(streams, channel_map, str(path), notes)
     for entry in channel_map.entries.values():
         stream, pick = _mapped_pick(entry, streams, channel_map.source)

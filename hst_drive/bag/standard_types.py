@@ -33,5 +33,15 @@ STANDARD_TYPES: dict[str, tuple[str, str]] = {
         'std_msgs/Header header\n\nstring[] name\nfloat64[] position\nfloat64[] velocity\n'
         'float64[] effort\n',
         'RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e'),
+    'diagnostic_msgs/msg/KeyValue': (
+        'string key\nstring value\n',
+        'RIHS01_d68081eaa540288c5440753baecef0c4e16e81a5f78ad68902ded5100413bb42'),
+    'diagnostic_msgs/msg/DiagnosticStatus': (
+        'byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\n'
+        'string message\nstring hardware_id\nKeyValue[] values\n',
+        'RIHS01_b0e3e692ea2d54a8af2f4ef1930e81556a2db55216b771f8a7d2724ed47bf0e4'),
+    'diagnostic_msgs/msg/DiagnosticArray': (
+        'std_msgs/Header header\nDiagnosticStatus[] status\n',
+        'RIHS01_5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e'),
 }
 """Definition text and type hash by full type name."""

@@ -4,6 +4,7 @@
 from hst_drive.bag import BagWriter, read_log, write_run
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition, find_hash, parse_definition
+from hst_drive.bag.standard_types import STANDARD_TYPES
 from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
@@ -97,6 +98,14 @@ def test_definitions_are_those_of_the_other_type_store():
         ours = parse_definition(topic.type, find_definition(topic.type))
         assert ours == parse_definition(topic.type, text)
         assert find_hash(topic.type) == store.hash_rihs01(topic.type)
+
+
+def test_the_built_in_definitions_are_those_of_the_other_type_store():
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for kind, (text, digest) in STANDARD_TYPES.items():
+        other = parse_definition(kind, store.generate_msgdef(kind, ros_version=2)[0])
+        assert parse_definition(kind, text)[kind] == other[kind]
+        assert digest == store.hash_rihs01(kind)
 
 
 def test_an_existing_folder_is_not_overwritten(tmp_path):
