@@ -15,11 +15,10 @@ from difflib import get_close_matches
 import io
 import math
 
-import numpy as np
-
 from hst_drive.errors import InputError
 from hst_drive.load.profiles import Points
 from hst_drive.units import canonical, parse_header, si_unit, to_si, UnitError
+import numpy as np
 
 # Our columns: SI units that fit, and other names that a header may use.
 COLUMNS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {

@@ -23,9 +23,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-import numpy as np
-
 from hst_drive.load.profiles import Points, Profile
+import numpy as np
 
 _REV = 2.0 * math.pi
 _FINEST = 200_000  # depth steps: enough for a deep hole, small enough to build in a second

@@ -6,14 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from hst_drive.errors import InputError
 from hst_drive.load.keys import Keys, quantity
 from hst_drive.load.load_sections import read_load
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.profile_sections import COMMAND, read_profile, SPEED, TEMPERATURE
 from hst_drive.load.profiles import constant, Profile
+import numpy as np
 
 MODES = ('closed_loop', 'open_loop')
 STARTS = ('rest', 'steady')

@@ -3,8 +3,8 @@
 """The controller on the whole nonlinear drive: margins that hold there, not only on paper."""
 import math
 
-from hst_drive.control import margins, PiController
-from hst_drive.control.margins import Plant
+from hst_drive.control import PiController
+from hst_drive.control.margins import margins, Plant
 from hst_drive.model import Drive
 from hst_drive.model.steady import linearise, operating_point
 from hst_drive.rig import default_rig
