@@ -36,7 +36,8 @@ data_files = [
     *shared('launch'),
 ]
 # pip puts the console script hst-drive on the PATH. colcon installs all console scripts into
-# lib/hst_drive for `ros2 run`, so there a launcher in bin, which colcon puts on the PATH, leads to it.
+# lib/hst_drive for `ros2 run`, so there a launcher in bin, which colcon puts on the PATH, leads
+# to it.
 if not {'bdist_wheel', 'editable_wheel'} & set(sys.argv):
     data_files.append(('bin', ['scripts/hst-drive']))
 

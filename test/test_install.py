@@ -45,7 +45,7 @@ def shell(command, folder, **environment):
 
 def test_wheel(source, tmp_path):
     """A wheel holds code, shipped files and entry points, and no second hst-drive."""
-    shell(f'python -m pip wheel -q --no-deps --no-build-isolation -w {tmp_path} {source}', tmp_path)
+    shell(f'python -m pip wheel -q --no-deps --no-build-isolation -w . {source}', tmp_path)
     path, = tmp_path.glob('*.whl')
     with ZipFile(path) as wheel:
         names = wheel.namelist()

@@ -29,7 +29,7 @@ def read(path):
 
 
 def test_numbers_are_finite_or_null(tmp_path):
-    """NaN and infinity become null wherever they are; NumPy values become plain."""
+    """Values that are not finite become null wherever they are; NumPy values become plain."""
     target = tmp_path / 'out.json'
     write_json({'a': float('nan'), 'b': [np.inf, np.float64(1.5)], 'c': np.array([1.0, np.nan]),
                 'd': Pair(0.0, -np.inf), 'e': (np.int64(3), True, None, 'µ'), 4: Path('x'),
