@@ -13,6 +13,7 @@ from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.endpoints import Input, Output, topic_named
 from hst_drive.nodes.parameters import COMMON, declare, Parameter
+from hst_drive.nodes.session import PARENT
 import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.exceptions import (InvalidParameterTypeException, InvalidParameterValueException,
@@ -21,8 +22,6 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-PARENT = 'HST_DRIVE_PARENT'
-"""Environment variable with the process id of the ``run`` that owns the node."""
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 
 

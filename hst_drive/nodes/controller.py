@@ -32,6 +32,8 @@ class Controller(DriveNode):
         Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
         Parameter('u_clamp_min', 0.0, 'smallest command', 'V', 0.0, 10.0),
         Parameter('u_clamp_max', 10.0, 'largest command', 'V', 0.0, 10.0),
+        Parameter('start_command', -1.0, 'first command, for a bumpless start; -1: none', 'V',
+                  -1.0, 10.0),
         Parameter('antiwindup_strategy', 'conditional_integration',
                   'conditional_integration, back_calculation or none'),
     )
@@ -49,6 +51,8 @@ class Controller(DriveNode):
                 antiwindup_strategy=settings['antiwindup_strategy'])
         except ValueError as error:
             raise InputError(f'controller: {error}') from None
+        if settings['start_command'] >= 0.0:
+            self._law.reset(settings['start_command'])
         self._manual = settings['mode'] == 'open_loop'
         self._wanted = 'manual_pump_command' if self._manual else 'speed_setpoint'
         self._sample_time = round(settings['sample_time'] * BILLION)

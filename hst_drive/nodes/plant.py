@@ -12,6 +12,7 @@ from hst_drive.bag.topics import TOPICS
 from hst_drive.errors import InputError
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.compose import STATES
+from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile, TRUTH
@@ -35,6 +36,9 @@ class Plant(DriveNode):
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
         Parameter('effects', [], 'hidden effects: id.parameter=value (SI), id.parameter=value[unit] or id'),
         Parameter('seed', 1, 'seed of the sensors\' noise', low=0, high=2**31 - 1),
+        Parameter('start_speed', 0.0, 'start steadily at this speed; 0: start at rest', 'rad/s',
+                  0.0, 100.0),
+        Parameter('start_pprv_command', 0.0, 'PPRV command of a steady start', 'V', 0.0, 10.0),
         Parameter('rate', 100.0, 'samples per second', 'Hz', 1.0, 1000.0),
         Parameter('duration', 0.0, 'length of the run; 0: without end', 's', 0.0, 1e7),
         Parameter('speed', 0.0, 'in lockstep: simulated per real second; 0: as fast as it goes',
@@ -52,7 +56,7 @@ class Plant(DriveNode):
         rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
         self._drive = Drive(rig, parse_effects(settings['effects']))
         self._sensors = SensorBank(rig, settings['seed'])
-        self._state = self._drive.initial_state()
+        self._state = self._first_state()
         self._names = wiring.readings(settings['extra_topics'])
         self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
         self._period = round(BILLION / settings['rate'])
@@ -71,6 +75,13 @@ class Plant(DriveNode):
         self._finishing = False
         self._running = False
         self._times = np.array([0.0, self._period / BILLION])
+
+    def _first_state(self) -> np.ndarray:
+        speed = self.settings['start_speed']
+        if not speed:
+            return self._drive.initial_state()
+        return operating_point(self._drive, speed,
+                               pprv_command=self.settings['start_pprv_command']).state
 
     def activate(self) -> None:
         """Open the endpoints."""

@@ -3,7 +3,7 @@
 """Effects as text, the form in which they pass through a command line and a ROS parameter."""
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 import math
 import re
@@ -70,3 +70,9 @@ def _number(text: str, value: str, unit: str | None, expected: str) -> float:
     if not math.isfinite(number):
         raise InputError(f"effect '{text}': expected a finite number in [{expected}]")
     return number
+
+
+def effect_texts(effects: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return effects as the texts that ``parse_effects`` reads."""
+    return [text for name, values in effects.items() for text in (
+        [f'{name}.{key}={float(value)!r}' for key, value in values.items()] or [name])]
