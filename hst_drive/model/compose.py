@@ -153,7 +153,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     for key, effect in effects.items():
         parts.append(_function_source(effect, f'effect_{key}'))
     parts.append('\n'.join(
-        f'{name} = numba.njit(cache=True, error_model="numpy")({name})' for name in (
+        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy")({name})' for name in (
             *(f'effect_{key}' for key in effects), 'interpolate', 'interpolate2', 'smooth_sign',
             'load_model', 'load_record', 'balances', 'derivatives', 'simulate')))
     source = '\n\n'.join(parts) + '\n'

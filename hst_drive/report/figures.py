@@ -41,7 +41,7 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
     names = list(log.signals)
     heights = [height for _ in names for height in (2.0, 1.0)]
     figure, axes = pyplot.subplots(
-        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.55 * len(names)),
+        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.8 * len(names)),
         gridspec_kw={'height_ratios': heights, 'hspace': 0.12}, squeeze=False)
     for index, name in enumerate(names):
         channel, errors = CHANNELS[name], log.signals[name]
@@ -51,8 +51,9 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
                  label='measured')
         top.plot(log.run.time, from_si(model, channel.display), color=MODEL, lw=0.9,
                  label='model')
-        top.set_ylabel(f'{channel.title}\n[{channel.display}]', fontsize=7)
-        top.set_title(f'rmse {errors.noise_ratio:.2f} x floor', fontsize=7, loc='right', pad=2)
+        top.set_ylabel(f'{channel.title}\n[{channel.display}]', fontsize=6.5)
+        top.text(0.995, 0.06, f'rmse {errors.noise_ratio:.2f} x floor', fontsize=7, ha='right',
+                 transform=top.transAxes, bbox={'fc': 'white', 'ec': 'none', 'pad': 1.5})
         bottom.plot(log.run.time, difference_from_si(model - measured, channel.display),
                     color=RESIDUAL, lw=0.5)
         floor = difference_from_si(errors.floor, channel.display)
@@ -63,11 +64,11 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
         for axis in (top, bottom):
             axis.tick_params(labelsize=7)
             axis.grid(alpha=0.25, lw=0.4)
-    axes[0, 0].legend(loc='lower left', bbox_to_anchor=(0, 1.0), ncol=2, fontsize=7,
+    axes[0, 0].set_title(f'{log.run.name}: measured and model (grey: twice the floor)',
+                         fontsize=9, loc='left')
+    axes[0, 0].legend(loc='lower right', bbox_to_anchor=(1, 1.0), ncol=2, fontsize=7,
                       frameon=False, borderpad=0.1)
     axes[-1, 0].set_xlabel('time [s]', fontsize=8)
-    figure.suptitle(f'{log.run.name}: measured and model (grey: twice the floor)', fontsize=9,
-                    y=0.995)
     figure.align_ylabels()
     try:
         figure.savefig(path, dpi=150, bbox_inches='tight')

@@ -1,0 +1,3 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which physical effect a model lacks: calibrate, confirm every candidate, judge, decide."""

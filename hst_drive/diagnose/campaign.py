@@ -1,0 +1,198 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Several recordings of one drive as one fitting problem.
+
+A ``Model`` is the set of effects that are on, with their parameters, and the factors by which
+this unit differs from its datasheet. A ``Campaign`` turns a model into normalised errors: one
+column per signal and log, model minus measurement over the floor that a perfect model would
+show.
+"""
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field, replace
+from typing import Sequence
+
+import numpy as np
+
+from hst_drive.effects import catalogue
+from hst_drive.measure.replay import Replay
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive
+from hst_drive.model.parameters import INDEX, SCALED
+from hst_drive.rig import Rig
+
+MAX_STEP = 5e-3         # s; halving it moves no reading by more than a tenth of its noise
+BLOCK = 2.0             # s; errors further apart than this count as independent
+SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
+_HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
+
+
+@dataclass(frozen=True)
+class Model:
+    """
+    Effects that are on and how this unit is off its datasheet.
+
+    Attributes
+    ----------
+    effects : dict of str to dict of str to float
+        Id to parameters, SI.
+    factors : dict of str to float
+        Natural logarithm of the factor on each quantity of ``rig.tolerances``.
+
+    """
+
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    factors: dict[str, float] = field(default_factory=dict)
+
+    def with_effect(self, name: str, values: dict[str, float]) -> Model:
+        """Return a model with one effect more, or with other parameters for it."""
+        return replace(self, effects={**self.effects, name: dict(values)})
+
+    def without(self, name: str) -> Model:
+        """Return a model with one effect less."""
+        return replace(self, effects={key: value for key, value in self.effects.items()
+                                      if key != name})
+
+
+class Campaign:
+    """
+    Recordings to fit on and recordings to judge on.
+
+    Parameters
+    ----------
+    rig : Rig
+        Baseline, effects that it has adopted included.
+    runs, holdout : sequence of Run
+        Without ``holdout`` a third of each log's time is held out.
+
+    """
+
+    def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        self.rig = rig
+        self.drive = Drive(rig, max_step=MAX_STEP)
+        self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
+        self.replays = [Replay(run, self.drive) for run in (*runs, *holdout)]
+        self.floors = [replay.floor(self.drive) for replay in self.replays]
+        self.signals = tuple(dict.fromkeys(
+            name for replay in self.replays for name in replay.signals))
+        self._weights = [self._weigh(replay, index, len(runs), bool(holdout))
+                         for index, replay in enumerate(self.replays)]
+        self._columns = self._layout()
+
+    @staticmethod
+    def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:
+        """Return +1 for samples to fit on, -1 for samples to judge on, 0 for neither."""
+        time = replay.run.time - replay.run.time[0]
+        if named:
+            part = np.full(len(time), 1 if index < training else -1)
+        else:
+            block = (time / _HOLDOUT_BLOCK).astype(int)
+            part = np.where(block % 3 == 1, -1, 1)
+            if block[-1] < 2:
+                part = np.where(time < 0.67 * time[-1], 1, -1)
+        part[time < SETTLE] = 0
+        return part
+
+    def _layout(self) -> list[tuple[int, str, np.ndarray, np.ndarray, float]]:
+        """Return (log, signal, samples to fit, samples to judge, 1/floor) per column."""
+        columns = []
+        for index, replay in enumerate(self.replays):
+            for name in replay.signals:
+                valid = np.isfinite(replay.run[name])
+                part = self._weights[index]
+                columns.append((index, name, np.flatnonzero(valid & (part > 0)),
+                                np.flatnonzero(valid & (part < 0)),
+                                1.0 / self.floors[index][name]))
+        return columns
+
+    def driver(self, model: Model) -> Drive:
+        """Return a drive with the model's effects and factors."""
+        drive = copy.copy(self.drive)
+        drive.parameters = self.drive.parameters.copy()
+        drive.switches = self.drive.switches.copy()
+        drive.effects = dict(self.drive.effects)
+        for key, value in model.factors.items():
+            drive.parameters[INDEX[SCALED[key]]] *= np.exp(value)
+        for name, values in model.effects.items():
+            drive.switch_on(name, values)
+        return drive
+
+    def signals_of(self, model: Model) -> list[dict[str, np.ndarray]]:
+        """Return what the model gives, log by log, SI."""
+        drive = self.driver(model)
+        return [replay.predict(drive).signals for replay in self.replays]
+
+    def errors(self, model: Model) -> list[np.ndarray]:
+        """Return the normalised errors of all samples, column by column (``columns``)."""
+        given = self.signals_of(model)
+        errors = []
+        for index, name, _, _, scale in self._columns:
+            error = (given[index][name] - self.replays[index].run[name]) * scale
+            # A model that left all bounds must lose, not stop the search.
+            errors.append(np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3))
+        return errors
+
+    @property
+    def columns(self) -> list[tuple[int, str]]:
+        """Log index and signal of each column of ``errors``."""
+        return [(index, name) for index, name, *_ in self._columns]
+
+    def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the errors to fit on as one vector, weighted for their correlation."""
+        parts = []
+        for error, (index, _, fit, _, _) in zip(errors, self._columns):
+            rate = 1.0 / self.replays[index].run.sample_time
+            parts.append(error[fit] / np.sqrt(max(0.1 * rate, 1.0)))
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def ratios(self, errors: Sequence[np.ndarray], held_out: bool) -> dict[str, float]:
+        """Return the noise ratio by signal, over all logs."""
+        squares: dict[str, list[float]] = {}
+        for error, (_, name, fit, judge, _) in zip(errors, self._columns):
+            chosen = error[judge if held_out else fit]
+            if len(chosen):
+                entry = squares.setdefault(name, [0.0, 0.0])
+                entry[0] += float(chosen @ chosen)
+                entry[1] += len(chosen)
+        return {name: float(np.sqrt(total / count)) for name, (total, count) in squares.items()}
+
+    def blocks(self, errors: Sequence[np.ndarray], held_out: bool = True) -> dict[
+            str, np.ndarray]:
+        """
+        Return the mean squared error of each block of ``BLOCK`` seconds, by signal.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (blocks,)
+            Blocks of all logs in turn; NaN where a log lacks the signal, so that all signals
+            and all models have the same blocks.
+
+        """
+        numbers, total = [], 0
+        for replay in self.replays:
+            number = ((replay.run.time - replay.run.time[0]) / BLOCK).astype(int)
+            numbers.append(number + total)
+            total += int(number[-1]) + 1
+        result = {}
+        for name in self.signals:
+            sums, counts = np.zeros(total), np.zeros(total)
+            for error, (index, signal, fit, judge, _) in zip(errors, self._columns):
+                if signal == name:
+                    chosen = judge if held_out else fit
+                    sums += np.bincount(numbers[index][chosen], error[chosen]**2, total)
+                    counts += np.bincount(numbers[index][chosen], minlength=total)
+            result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+        used = np.any([np.isfinite(values) for values in result.values()], axis=0)
+        return {name: values[used] for name, values in result.items()}
+
+
+def neutral(name: str) -> dict[str, float]:
+    """Return the parameters of an effect that is switched off."""
+    return {parameter.name: parameter.neutral for parameter in catalogue()[name].parameters}
+
+
+def typical(name: str) -> dict[str, float]:
+    """Return parameters at which an effect matters."""
+    return {parameter.name: parameter.typical for parameter in catalogue()[name].parameters}

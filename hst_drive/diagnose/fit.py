@@ -1,0 +1,180 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Fit of a model to a campaign: bounded Gauss-Newton with priors.
+
+The unit's factors have Gaussian priors from the datasheet and are held within three sigma: with
+tens of thousands of samples a prior alone is outvoted, and the factors would eat the physics.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.effects import catalogue
+
+SIGMAS = 3.0
+_NUDGE = 0.5            # of a tolerance: step of the differences for the unit's factors
+
+
+class Fit(NamedTuple):
+    """
+    A fitted model.
+
+    ``cost`` is the sum of squares of the weighted errors and of the priors; ``jacobian`` and
+    ``names`` belong to the scaled unknowns (see ``Unknowns``).
+    """
+
+    model: Model
+    errors: list[np.ndarray]
+    cost: float
+    names: tuple[tuple[str, str], ...]
+    jacobian: np.ndarray
+
+
+class Unknowns:
+    """
+    The unknowns of a model as a vector.
+
+    A factor counts in tolerances, a parameter of an effect in its typical size.
+    """
+
+    def __init__(self, campaign: Campaign, model: Model):
+        self.tolerances = campaign.tolerances
+        self.names = (*(('', key) for key in campaign.tolerances),
+                      *((name, key) for name, values in model.effects.items() for key in values))
+        self.scale = np.array([self._scale(*name) for name in self.names])
+        limits = [self._limits(*name) for name in self.names]
+        self.low = np.array([low for low, _ in limits]) / self.scale
+        self.high = np.array([high for _, high in limits]) / self.scale
+
+    def _scale(self, effect: str, key: str) -> float:
+        if not effect:
+            return self.tolerances[key]
+        return abs(_parameter(effect, key).typical) or 1.0
+
+    def _limits(self, effect: str, key: str) -> tuple[float, float]:
+        if not effect:
+            return -SIGMAS * self.tolerances[key], SIGMAS * self.tolerances[key]
+        return _parameter(effect, key).low, _parameter(effect, key).high
+
+    @property
+    def factors(self) -> int:
+        """How many of the unknowns are factors of the unit; they come first."""
+        return len(self.tolerances)
+
+    def pack(self, model: Model) -> np.ndarray:
+        """Return the vector of a model."""
+        return np.array([model.factors.get(key, 0.0) if not effect else model.effects[effect][key]
+                         for effect, key in self.names]) / self.scale
+
+    def unpack(self, vector: np.ndarray) -> Model:
+        """Return the model of a vector."""
+        values = np.clip(vector, self.low, self.high) * self.scale
+        factors, effects = {}, {}
+        for (effect, key), value in zip(self.names, values):
+            if effect:
+                effects.setdefault(effect, {})[key] = float(value)
+            else:
+                factors[key] = float(value)
+        return Model(effects, factors)
+
+
+def _parameter(effect: str, key: str):
+    return next(entry for entry in catalogue()[effect].parameters if entry.name == key)
+
+
+def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
+            errors: Sequence[np.ndarray]) -> float:
+    """Return the sum of squares of weighted errors and priors."""
+    residual = campaign.training(errors)
+    prior = vector[:unknowns.factors]
+    return float(residual @ residual + prior @ prior)
+
+
+def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
+                errors: Sequence[np.ndarray], which: Sequence[int]) -> np.ndarray:
+    """Return columns of the Jacobian of the weighted errors, by forward differences."""
+    base = campaign.training(errors)
+    columns = np.empty((len(base), len(which)))
+    for place, k in enumerate(which):
+        step = _NUDGE if k < unknowns.factors else 0.1 * max(abs(vector[k]), 0.3)
+        if vector[k] + step > unknowns.high[k]:
+            step = -step
+        moved = vector.copy()
+        moved[k] += step
+        columns[:, place] = (campaign.training(campaign.errors(unknowns.unpack(moved))) - base) \
+            / step
+    return columns
+
+
+def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndarray | None = None,
+        refresh: bool = False) -> Fit:
+    """
+    Fit the unit's factors and the parameters of the effects that are on.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        What to fit.
+    start : Model
+        Where to start.
+    iterations : int
+        Most Gauss-Newton steps.
+    known : ndarray, shape (samples, factors), optional
+        Jacobian of the factors from a nearby model; saves most of the work.
+    refresh : bool
+        Form the whole Jacobian anew at the end, for intervals.
+
+    """
+    unknowns = Unknowns(campaign, start)
+    vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
+    errors = campaign.errors(unknowns.unpack(vector))
+    cost = cost_of(campaign, unknowns, vector, errors)
+    count = len(vector)
+    free = list(range(unknowns.factors, count))
+    jacobian = np.empty((len(campaign.training(errors)), count))
+    if known is not None:
+        jacobian[:, :unknowns.factors] = known
+    damping = 1e-6
+    for _ in range(iterations):
+        which = free if known is not None else list(range(count))
+        jacobian[:, which] = differences(campaign, unknowns, vector, errors, which)
+        step_taken = False
+        for _ in range(3):
+            trial = _step(campaign, unknowns, vector, errors, jacobian, damping)
+            trial_errors = campaign.errors(unknowns.unpack(trial))
+            trial_cost = cost_of(campaign, unknowns, trial, trial_errors)
+            if trial_cost < cost:
+                gain = cost - trial_cost
+                vector, errors, cost = trial, trial_errors, trial_cost
+                damping = max(damping / 10, 1e-9)
+                step_taken = True
+                break
+            damping = max(damping * 100, 1e-3)
+        if not step_taken or gain < 1e-3 * cost + 0.5:
+            break
+    if refresh:
+        jacobian = differences(campaign, unknowns, vector, errors, range(count))
+    return Fit(unknowns.unpack(vector), errors, cost, unknowns.names, jacobian)
+
+
+def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
+          errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float) -> np.ndarray:
+    """Solve the linearised problem within the bounds."""
+    residual = campaign.training(errors)
+    normal = jacobian.T @ jacobian
+    gradient = jacobian.T @ residual
+    prior = np.zeros(len(vector))
+    prior[:unknowns.factors] = 1.0
+    gradient = gradient + prior * vector
+    normal = normal + np.diag(prior)
+    normal = normal + np.diag(damping * np.diag(normal) + 1e-9)
+    factor = np.linalg.cholesky(normal)
+    target = np.linalg.solve(factor, -gradient)
+    solution = lsq_linear(factor.T, target, (unknowns.low - vector - 1e-12,
+                                             unknowns.high - vector + 1e-12))
+    return np.clip(vector + solution.x, unknowns.low, unknowns.high)

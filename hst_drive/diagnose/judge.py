@@ -1,0 +1,93 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Is one model better than another on data that neither was fitted to?
+
+Errors of a replay are correlated over many samples, so that statistics of independent samples
+find effects everywhere. Here a sample is a block of two seconds, models are compared block by
+block, and an improvement must be both significant and large enough to matter.
+"""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple
+
+import numpy as np
+
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.fit import Fit
+
+PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
+# A real machine never follows one formula exactly: this share of what an effect does to a
+# signal may remain as error without being taken for one more effect.
+FORM_SHARE = 0.08
+CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
+SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
+
+
+class Gain(NamedTuple):
+    """
+    What a model gains over another, by signal.
+
+    ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
+    errors over blocks; ``amount`` the fall itself, in squared floors.
+    """
+
+    share: dict[str, float]
+    sigma: dict[str, float]
+    amount: dict[str, float]
+
+
+def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> Gain:
+    """Compare two models block by block (``Campaign.blocks``)."""
+    share, sigma, amount = {}, {}, {}
+    for name, first in before.items():
+        valid = np.isfinite(first) & np.isfinite(after[name])
+        if valid.sum() < 3:
+            continue
+        difference = first[valid] - after[name][valid]
+        # A few blocks hold the transients: the clipped difference keeps them from deciding.
+        limit = 4 * np.median(np.abs(difference - np.median(difference))) * 1.48 + 1e-9
+        centre = np.median(difference)
+        clipped = np.clip(difference, centre - limit, centre + limit)
+        error = max(clipped.std(ddof=1) / np.sqrt(len(clipped)), 1e-9)
+        amount[name] = float(difference.mean())
+        share[name] = float(difference.mean() / first[valid].mean())
+        sigma[name] = float(clipped.mean() / error)
+    return Gain(share, sigma, amount)
+
+
+def contribution(campaign: Campaign, base: Fit, model: Fit) -> dict[str, float]:
+    """Return what the effects of a model do to each signal, rms in floors, on held-out data."""
+    total: dict[str, list[float]] = {}
+    for first, second, (_, name, _, judge, _) in zip(
+            base.errors, model.errors, campaign._columns):
+        moved = (first - second)[judge]
+        entry = total.setdefault(name, [0.0, 0.0])
+        entry[0] += float(moved @ moved)
+        entry[1] += len(moved)
+    return {name: float(np.sqrt(power / count)) if count else 0.0
+            for name, (power, count) in total.items()}
+
+
+def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
+    """
+    Say whether a gain is significant and large enough to name an effect for.
+
+    Parameters
+    ----------
+    found : Gain
+        What the additional effect gains.
+    done : mapping of str to float
+        ``contribution`` of the effects that are in already.
+
+    """
+    return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= PRACTICAL
+               and found.amount[name] >= (FORM_SHARE * done.get(name, 0.0))**2
+               for name in found.share)
+
+
+def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float]) -> dict[str, float]:
+    """Return the signals whose held-out noise ratio is above what counts as explained."""
+    ratios = campaign.ratios(model.errors, True)
+    return {name: ratio for name, ratio in ratios.items()
+            if ratio**2 > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2}

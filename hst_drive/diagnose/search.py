@@ -1,0 +1,186 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The search for what is missing: every candidate is fitted, the best are combined.
+
+Forward with a small beam, then backward and with swaps, always judged on held-out data.
+"""
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+import os
+from typing import Callable, NamedTuple, Sequence
+
+import numpy as np
+
+from hst_drive.diagnose.campaign import Campaign, Model, typical
+from hst_drive.diagnose.fit import Fit, fit
+from hst_drive.diagnose.judge import contribution, Gain, gain, unexplained, worthwhile
+
+MOST_EFFECTS = 3
+_BEAM = 2
+_SHORTLIST = 8
+
+
+class Candidate(NamedTuple):
+    """A fitted set of effects and what it gains over the calibrated baseline."""
+
+    names: tuple[str, ...]
+    fit: Fit
+    score: float
+
+
+class Search:
+    """
+    Fits and remembers sets of effects.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The data.
+    candidates : sequence of str
+        Effects to try.
+    progress : callable, optional
+        Called with a text now and then.
+
+    """
+
+    def __init__(self, campaign: Campaign, candidates: Sequence[str],
+                 progress: Callable[[str], None] = lambda text: None):
+        self.campaign = campaign
+        self.candidates = tuple(candidates)
+        self.progress = progress
+        self.base = fit(campaign, Model(), iterations=5, refresh=True)
+        self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
+        self._known: dict[tuple[str, ...], Candidate] = {}
+        self.baseline = Candidate((), self.base, self.score(self.base))
+
+    def score(self, fitted: Fit) -> float:
+        """Return the held-out squared error plus what the priors ask; lower is better."""
+        total = 0.0
+        for error, (index, _, _, judge, _) in zip(fitted.errors, self.campaign._columns):
+            rate = 1.0 / self.campaign.replays[index].run.sample_time
+            total += float(error[judge] @ error[judge]) / max(0.1 * rate, 1.0)
+        return total + fitted.cost
+
+    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]],
+                what: str) -> list[Candidate]:
+        """Fit several sets of effects, each from its starting model, on all cores."""
+        todo = [(tuple(sorted(names)), start) for names, start in sets
+                if tuple(sorted(names)) not in self._known]
+        with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
+            for done, found in enumerate(pool.map(self._fit, todo)):
+                self._known[found.names] = found
+                self.progress(f'{what}: {done + 1} of {len(todo)}')
+        return [self._known[tuple(sorted(names))] for names, _ in sets]
+
+    def _fit(self, task: tuple[tuple[str, ...], Model]) -> Candidate:
+        names, start = task
+        best = None
+        for model in self._starts(names, start):
+            found = fit(self.campaign, model, known=self.factors)
+            if best is None or found.cost < best.cost:
+                best = found
+        return Candidate(names, best, self.score(best))
+
+    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
+        """Start at the typical size and a third of it, on the better side of a signed size."""
+        new = [name for name in names if name not in start.effects]
+        if not new:
+            return [start]
+        name = new[0]
+        values = typical(name)
+        trials = []
+        for share in (1.0, 0.3, -0.3):
+            scaled = {key: value * share if place == 0 else value
+                      for place, (key, value) in enumerate(values.items())}
+            if share < 0 and _lowest(name) >= 0:
+                continue
+            model = start.with_effect(name, scaled)
+            residual = self.campaign.training(self.campaign.errors(model))
+            trials.append((self.project(residual), model))
+        trials.sort(key=lambda item: item[0])
+        return [trials[0][1]]
+
+    def project(self, residual: np.ndarray) -> float:
+        """Return the squared error left once the unit's factors are free to help (linearised)."""
+        normal = self.factors.T @ self.factors + np.eye(self.factors.shape[1])
+        side = self.factors.T @ residual
+        return float(residual @ residual - side @ np.linalg.solve(normal, side))
+
+    def gain(self, before: Candidate, after: Candidate) -> Gain:
+        """Compare two candidates on held-out data."""
+        return gain(self.campaign.blocks(before.fit.errors),
+                    self.campaign.blocks(after.fit.errors))
+
+    def done(self, candidate: Candidate) -> dict[str, float]:
+        """Return what the candidate's effects do to each signal, rms in floors."""
+        return contribution(self.campaign, self.base, candidate.fit)
+
+    def unexplained(self, candidate: Candidate) -> dict[str, float]:
+        """Return the signals that the candidate leaves unexplained."""
+        return unexplained(self.campaign, candidate.fit, self.done(candidate))
+
+    def refine(self, candidate: Candidate) -> Candidate:
+        """Fit a candidate with a Jacobian of its own."""
+        found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
+        refined = Candidate(candidate.names, found, self.score(found))
+        self._known[candidate.names] = refined
+        return refined
+
+    def singles(self) -> list[Candidate]:
+        """Return every effect alone, the best first."""
+        start = self.base.model
+        found = self.try_all([((name,), start) for name in self.candidates], 'fitting effects')
+        return sorted(found, key=lambda item: item.score)
+
+    def extend(self, candidate: Candidate) -> list[Candidate]:
+        """Return the candidate with one effect more, the best first."""
+        rest = [name for name in self.candidates if name not in candidate.names]
+        residual = self.campaign.training(candidate.fit.errors)
+        hopes = []
+        for name in rest:
+            single = self._known[(name,)].fit
+            move = self.campaign.training(single.errors) - self.campaign.training(self.base.errors)
+            power = float(move @ move)
+            hope = float(residual @ move)**2 / power if power > 0 else 0.0
+            hopes.append((-hope, name))
+        short = [name for _, name in sorted(hopes)[:_SHORTLIST]]
+        found = self.try_all([((*candidate.names, name), candidate.fit.model) for name in short],
+                             f'fitting {len(candidate.names) + 1} effects together')
+        return sorted(found, key=lambda item: item.score)
+
+    def run(self) -> Candidate:
+        """Return the set of effects that the data ask for; it may be empty."""
+        level = self.singles()
+        best = self.baseline
+        beam = level[:_BEAM]
+        for _ in range(MOST_EFFECTS):
+            top = self.refine(beam[0])
+            if not worthwhile(self.gain(best, top), self.done(best)):
+                break
+            best = top
+            if not self.unexplained(best) or len(best.names) == MOST_EFFECTS:
+                break
+            level = [entry for candidate in beam for entry in self.extend(candidate)]
+            level.sort(key=lambda item: item.score)
+            beam = level[:_BEAM]
+        return self.prune(best)
+
+    def prune(self, best: Candidate) -> Candidate:
+        """Take effects out again that are not needed beside the others."""
+        while len(best.names) > 1:
+            fewer = self.try_all(
+                [(tuple(name for name in best.names if name != out), best.fit.model.without(out))
+                 for out in best.names], 'taking effects out')
+            fewer.sort(key=lambda item: item.score)
+            without = self.refine(fewer[0])
+            if worthwhile(self.gain(without, best), self.done(without)):
+                return best
+            best = without
+        return best
+
+
+def _lowest(name: str) -> float:
+    from hst_drive.effects import catalogue
+    return catalogue()[name].parameters[0].low
