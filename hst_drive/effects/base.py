@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import inspect
-from typing import Callable, NamedTuple
+import math
+from typing import Any, Callable, NamedTuple
 
 
 class Slot(NamedTuple):
@@ -54,6 +55,30 @@ READABLE: dict[str, str] = {
     'max_displacement': 'm^3/rad', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
     'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
 }
+
+# What is known where a slot lies: the equations are evaluated in order.
+_COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
+                       'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
+                       'nominal_speed', 'max_displacement'})
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque'}
+_KNOWN: dict[str, frozenset[str]] = {
+    'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
+    'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
+    'back_pressure': _BALANCES | {'pump_speed'},
+    'motor_torque_loss': frozenset(READABLE), 'motor_torque': frozenset(READABLE),
+    'shaft_compliance': frozenset(READABLE),
+    'load_torque': frozenset({'load_torque', 'motor_speed', 'motor_angle', 'pprv_command',
+                              'oil_temperature', 'pistons'}),
+    'torque_reading': frozenset({'load_torque', 'motor_angle'}),
+    **dict.fromkeys(('pressure_reading', 'flow_reading', 'speed_reading'),
+                    _COMMANDS | {'pressure', 'flow', 'load_torque', 'pump_speed'}),
+}
+_BUILTINS = frozenset({'abs', 'max', 'min'})
+
+
+def readable(slot: str) -> frozenset[str]:
+    """Return the names of ``READABLE`` that are known where a slot lies."""
+    return _KNOWN.get(slot, _COMMANDS)
 
 
 @dataclass(frozen=True)
@@ -99,6 +124,13 @@ class Effect:
         Where the equation comes from.
     shows_in : tuple of str
         Channels of which at least one must be recorded for the effect to be seen.
+    also : tuple of (str, callable)
+        Further terms of the same effect, with the same parameters: slot and function.
+
+    Raises
+    ------
+    ValueError
+        If the declaration does not hold together.
 
     """
 
@@ -111,16 +143,27 @@ class Effect:
     telltale: str
     source: str
     shows_in: tuple[str, ...] = ()
+    also: tuple[tuple[str, Callable[..., float]], ...] = ()
 
     def __post_init__(self):
-        if self.slot not in SLOTS:
-            raise ValueError(f"effect '{self.id}': unknown slot '{self.slot}'; "
-                             f'known: {", ".join(SLOTS)}')
+        if not self.id.isidentifier():
+            raise ValueError(f"effect '{self.id}': expected an id of letters, digits and '_'")
+        if not self.parameters:
+            raise ValueError(f"effect '{self.id}': expected at least one parameter, its size")
         own = {parameter.name for parameter in self.parameters}
-        for name in self.arguments:
-            if name not in READABLE and name not in own:
-                raise ValueError(f"effect '{self.id}': argument '{name}' is neither readable nor "
-                                 f'a parameter; readable: {", ".join(READABLE)}')
+        if own & set(READABLE):
+            raise ValueError(f"effect '{self.id}': parameter '{min(own & set(READABLE))}' has the "
+                             'name of a readable quantity')
+        for slot, function in self.terms:
+            if slot not in SLOTS:
+                raise ValueError(f"effect '{self.id}': unknown slot '{slot}'; "
+                                 f'known: {", ".join(SLOTS)}')
+            for name in arguments(function):
+                if name not in readable(slot) and name not in own:
+                    raise ValueError(
+                        f"effect '{self.id}': argument '{name}' is neither a parameter nor known "
+                        f"at the slot '{slot}'; there: {', '.join(sorted(readable(slot)))}")
+            _refuse_what_cannot_be_compiled(self.id, function)
         for parameter in self.parameters:
             if not parameter.low <= parameter.typical <= parameter.high:
                 raise ValueError(f"effect '{self.id}': parameter '{parameter.name}' has its "
@@ -132,6 +175,26 @@ class Effect:
         return SLOTS[self.slot].enters
 
     @property
-    def arguments(self) -> tuple[str, ...]:
-        """Names of the function's arguments, in order."""
-        return tuple(inspect.signature(self.function).parameters)
+    def terms(self) -> tuple[tuple[str, Callable[..., float]], ...]:
+        """All slots that the effect enters, each with its function."""
+        return ((self.slot, self.function), *self.also)
+
+
+def arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    """Return the names of a function's arguments, in order."""
+    return tuple(inspect.signature(function).parameters)
+
+
+def _refuse_what_cannot_be_compiled(name: str, function: Callable[..., Any]) -> None:
+    """Raise ValueError unless this is a plain function of arguments, numbers and math."""
+    code = getattr(function, '__code__', None)
+    if code is None or code.co_name == '<lambda>' or code.co_freevars:
+        raise ValueError(f"effect '{name}': expected a plain function, written with 'def' at the "
+                         'top of a file')
+    for used in code.co_names:
+        value = function.__globals__.get(used)
+        known = used in _BUILTINS or hasattr(math, used) if value is None else (
+            value is math or isinstance(value, (int, float)))
+        if not known:
+            raise ValueError(f"effect '{name}': its function uses '{used}'; expected arithmetic, "
+                             'math, abs, min, max and numbers of its file only')

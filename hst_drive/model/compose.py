@@ -23,6 +23,7 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
+from hst_drive.effects.base import arguments
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -92,16 +93,23 @@ def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
         slot = mark[len('# slot '):]
         indent = line[:len(line) - len(line.lstrip())]
         variable = {'load_torque': 'load_torque_extra'}.get(slot, slot)
-        for effect in effects.values():
-            if effect.slot == slot:
-                call = ', '.join(f'p[{places[effect.id, name]}]'
-                                 if (effect.id, name) in places else name
-                                 for name in effect.arguments)
+        for name, effect, place, function in _terms(effects):
+            if place == slot:
+                call = ', '.join(f'p[{places[effect.id, argument]}]'
+                                 if (effect.id, argument) in places else argument
+                                 for argument in arguments(function))
                 body += [f'{indent}if on[{flags[effect.id]}]:',
-                         f'{indent}    {variable} += effect_{effect.id}({call})']
+                         f'{indent}    {variable} += {name}({call})']
     text = '\n'.join(['# Generated from kernel_template.py and the catalogue of effects.',
                       *template[:head], '', *lines, '', *body, ''])
     return text, places, flags, size
+
+
+def _terms(effects: dict[str, Effect]) -> list[tuple[str, Effect, str, Callable]]:
+    """Return each term's name in the code, effect, slot and function."""
+    return [(f'effect_{effect.id}' + (f'__{number}' if number else ''), effect, slot, function)
+            for effect in effects.values()
+            for number, (slot, function) in enumerate(effect.terms)]
 
 
 @lru_cache(maxsize=4)
@@ -126,7 +134,7 @@ def kernel(compiled: bool | None = None) -> Kernel:
 def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     name = 'hst_drive_kernel_plain'
     module = types.ModuleType(name)
-    module.__dict__.update({f'effect_{key}': effect.function for key, effect in effects.items()})
+    module.__dict__.update({key: function for key, _, _, function in _terms(effects)})
     filename = f'<{name}>'
     linecache.cache[filename] = (len(text), None, text.splitlines(True), filename)
     exec(compile(text, filename, 'exec'), module.__dict__)
@@ -150,11 +158,12 @@ def cache_folder() -> Path:
 def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     """Write the code with its effects into one file and import that, so that numba can cache."""
     parts = ['import numba', '', text]
-    for key, effect in effects.items():
-        parts.append(_function_source(effect, f'effect_{key}'))
+    terms = _terms(effects)
+    for key, effect, _, function in terms:
+        parts.append(_function_source(effect.id, function, key))
     parts.append('\n'.join(
         f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy")({name})' for name in (
-            *(f'effect_{key}' for key in effects), 'interpolate', 'interpolate2', 'smooth_sign',
+            *(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
             'load_model', 'load_record', 'balances', 'derivatives', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
     import numba
@@ -175,16 +184,15 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     return module
 
 
-def _function_source(effect: Effect, name: str) -> str:
-    """Return the effect's function as text under another name, with the names that it uses."""
-    function = effect.function
+def _function_source(identity: str, function: Callable, name: str) -> str:
+    """Return an effect's function as text under another name, with the numbers that it uses."""
     source = inspect.cleandoc('\n' + inspect.getsource(function))
     head, _, rest = source.partition('(')
     if not head.startswith('def '):
-        raise ValueError(f"effect '{effect.id}': its function must be a plain 'def'")
+        raise ValueError(f"effect '{identity}': its function must be a plain 'def'")
     used = {key: function.__globals__[key] for key in function.__code__.co_names
             if isinstance(function.__globals__.get(key), (int, float))}
-    constants = [f'{name}_{key} = {value!r}' for key, value in used.items()]
+    constants = [f'{name}_{key} = {float(value)!r}' for key, value in used.items()]
     body = f'def {name}({rest}'
     for key in used:
         body = _rename(body, key, f'{name}_{key}')
