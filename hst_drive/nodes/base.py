@@ -7,6 +7,7 @@ from collections.abc import Callable
 import os
 import signal
 import sys
+import time
 
 from hst_drive.bag.topics import NAMESPACE
 from hst_drive.errors import InputError
@@ -22,12 +23,17 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 
 
 class DriveNode(Node):
     """
     Base of the nodes; ``role`` is the name by which the partners know it.
+
+    A node on which nobody waits in every step may set ``gather`` (s): it then takes messages in
+    such batches, which spares the change of process that each message alone would cost. It counts
+    what it takes in ``handled``.
 
     Life: ``__init__`` declares the parameters, ``configure`` builds the pure objects from them,
     ``activate`` opens the endpoints, ``started`` is called when the run may begin,
@@ -46,6 +52,8 @@ class DriveNode(Node):
         self.outputs: dict[str, Output] = {}
         self.inputs: dict[str, Input] = {}
         self.exit_code: int | None = None
+        self.gather = 0.0
+        self.handled = 0
         self.sync: sync.Sync | None = None
         self.answers: sync.Answers | None = None
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
@@ -172,8 +180,11 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         executor = _executor()
         executor.add_node(node)
         while rclpy.ok() and node.exit_code is None and not signals:
+            handled = node.handled
             # EventsExecutor.spin() without a timeout never runs a callback.
-            executor.spin_once(timeout_sec=0.1)
+            executor.spin_once(timeout_sec=0.0 if node.gather else 0.1)
+            if node.gather and node.handled == handled:
+                time.sleep(node.gather)
         while rclpy.ok() and node.drain():
             executor.spin_once(timeout_sec=0.05)
         code = node.exit_code or 0

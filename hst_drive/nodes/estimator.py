@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hst_drive.bag.topics import TOPICS
 from hst_drive.losses.efficiency import (Limits, performance, Performance, predicted,
                                          reason_not_valid)
-from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.rig import default_rig, load_rig, Rig
@@ -65,6 +65,7 @@ class Estimator(DriveNode):
             (name for names in _SIGNALS.values() for name in names), math.nan)
         self._stamps = dict.fromkeys(_SIGNALS, None)
         self._next: int | None = None
+        self.gather = GATHER if self.lockstep else 0.0
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -80,6 +81,7 @@ class Estimator(DriveNode):
             self.create_timer(self._period / BILLION, lambda: self._estimate(self.now()))
 
     def _measured(self, topic: str, stamp: int, values: tuple[float, ...]) -> None:
+        self.handled += 1
         last = self._stamps[topic]
         elapsed = 0.0 if last is None else (stamp - last) / BILLION
         weight = 1.0 if last is None or elapsed <= 0.0 else -math.expm1(

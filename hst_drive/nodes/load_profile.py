@@ -11,6 +11,7 @@ from hst_drive.nodes import sync
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile
 from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.sync import SLOW
 from hst_drive.rig import load_rig
 from rosgraph_msgs.msg import Clock
 
@@ -38,6 +39,7 @@ class LoadProfile(DriveNode):
         rig = load_rig(settings['rig']) if settings['rig'] else None
         self._scenario = load_scenario(settings['scenario'], rig, settings['log'] or None)
         self._start: int | None = None
+        self._count = 0
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -76,8 +78,10 @@ class LoadProfile(DriveNode):
     def _play(self, stamp: int) -> None:
         scenario, t = self._scenario, (stamp - self._start) / BILLION
         out = self.outputs
+        self._count += 1
+        if self._count % SLOW == 1:
+            out['oil_temperature_command'].publish(stamp, scenario.oil_temperature(t))
         out['pprv_command'].publish(stamp, scenario.load.pprv_command(t))
-        out['oil_temperature_command'].publish(stamp, scenario.oil_temperature(t))
         out['speed_setpoint'].publish(stamp, scenario.speed_setpoint(t))
         if scenario.pump_command is not None:
             out['manual_pump_command'].publish(stamp, scenario.pump_command(t))

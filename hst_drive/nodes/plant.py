@@ -173,7 +173,8 @@ class Plant(DriveNode):
         self._clock_message.clock = Time(sec=stamp // BILLION, nanosec=stamp % BILLION)
         self._held = dict(self._inputs)
         self._pending = {name for name, topic in self.inputs.items()
-                         if topic.topic.publisher in self.partners}
+                         if topic.topic.publisher in self.partners
+                         and (name != 'oil_temperature_command' or self._step % sync.SLOW == 0)}
         self._clock_publisher.publish(self._clock_message)
         if self._pending <= {'pump_command'}:
             self._sample()

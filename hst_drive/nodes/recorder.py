@@ -12,7 +12,7 @@ from hst_drive.bag.topics import Qos
 from hst_drive.bag.writer import BagWriter
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
-from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.endpoints import message_class, qos_profile, stamp_of, topic_named
 from hst_drive.nodes.parameters import Parameter
 
@@ -55,6 +55,7 @@ class Recorder(DriveNode):
         self._expected: dict[int, dict[str, int]] = {}
         self._told: dict[int, set[str]] = {}
         self._asked: int | None = None
+        self.gather = GATHER if self.lockstep else 0.0
         self._last_message = time.monotonic()
         notes = dict(note.split('=', 1) for note in settings['notes'] if '=' in note)
         self._bag: BagWriter | None = BagWriter(settings['output'], custom_data=notes)
@@ -122,6 +123,7 @@ class Recorder(DriveNode):
             lambda data, name=name: self._take(name, data), qos_profile(offered, _DEPTH), raw=True)
 
     def _take(self, name: str, data: bytes) -> None:
+        self.handled += 1
         self._last_message = time.monotonic()
         stamp = stamp_of(data)
         if not self.lockstep:

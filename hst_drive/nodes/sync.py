@@ -24,6 +24,8 @@ from hst_drive.nodes.endpoints import qos_profile
 
 INTERVAL = 40
 """Steps between two questions; twice as many must fit into a topic's queue."""
+SLOW = 10
+"""In lockstep, the oil temperature is set once in so many steps: it hardly moves in between."""
 SIMULATED_START = 1_000_000_000
 """Simulated time of step 0, ns; not 0, which ROS and MCAP read as 'no time yet'."""
 READY, START, ASK, LAST, DONE = 'ready', 'start', 'ask', 'last', 'done'
