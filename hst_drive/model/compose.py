@@ -142,7 +142,7 @@ def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
 
 
 def cache_folder() -> Path:
-    """Return the folder for generated code: HST_DRIVE_CACHE, the user's cache, or a private one."""
+    """Return the folder for generated code: HST_DRIVE_CACHE, the user's cache, or a new one."""
     base = os.environ.get('HST_DRIVE_CACHE') or os.path.join(
         os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'), 'hst_drive')
     folder = Path(base)

@@ -6,14 +6,13 @@ from __future__ import annotations
 from difflib import get_close_matches
 from typing import Mapping
 
-import numpy as np
-
 from hst_drive.effects import catalogue
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.compose import kernel, OUTPUTS, STATES
 from hst_drive.model.parameters import baseline_parameters, baseline_tables, INDEX, SCALED
 from hst_drive.rig import Rig
+import numpy as np
 
 MAX_STEP = 2.5e-3   # s; halving it moves no reading by more than 1e-4 of its range
 

@@ -189,7 +189,8 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
     (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
      shaft_torque, relief_flow) = balances(
         displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
-        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values, layout)
+        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values,
+        layout)
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -rate), rate)
@@ -224,8 +225,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     standstill and at the relief valve, where the equations are stiff. ``state`` is updated.
     """
     n = len(time)
-    displacement, pump_pressure, motor_speed, pprv_pressure = state[0], state[1], state[2], state[3]
-    motor_angle, load_speed, twist, reading, play = state[4], state[5], state[6], state[7], state[8]
+    displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
+    pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
+    twist, reading, play = state[6], state[7], state[8]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     for k in range(n):
@@ -254,7 +256,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         # slot speed_reading_lag
         if speed_reading_lag <= 0.0:
             reading = motor_speed
-        target = p[P_displacement_scale] * interpolate(pump_command, T_DISPLACEMENT, values, layout)
+        target = p[P_displacement_scale] * interpolate(
+            pump_command, T_DISPLACEMENT, values, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
             pprv_command, T_PPRV_PRESSURE, values, layout)
 
@@ -289,22 +292,24 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             break
         remaining = time[k + 1] - time[k]
         interval = remaining
-        slope = (disturbances[k + 1] - disturbance) / interval
+        slope = (disturbances[k + 1] - disturbance) / max(interval, 1e-12)
         elapsed = 0.0
         while remaining > 1e-12:
-            step = max_step
-            if abs(motor_speed) < STIFF_SPEED or pump_pressure > STIFF_PRESSURE_SHARE * p[
-                    P_relief_set_pressure] or on[ON_SHAFT]:
-                step = 0.1 * max_step
-            step = remaining / math.ceil(remaining / step - 1e-9)
-            h = 0.5 * step
             d1 = disturbance + slope * elapsed
-            d2 = d1 + slope * h
-            d3 = d1 + slope * step
             a = derivatives(
                 displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
                 twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
                 viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, values, layout)
+            step = max_step
+            # A full step would start in, or run into, what is stiff.
+            if abs(motor_speed) < STIFF_SPEED + abs(a[2]) * step or (
+                    pump_pressure + max(a[1], 0.0) * step
+                    > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]) or on[ON_SHAFT]:
+                step = 0.1 * max_step
+            step = remaining / math.ceil(remaining / step - 1e-9)
+            h = 0.5 * step
+            d2 = d1 + slope * h
+            d3 = d1 + slope * step
             b = derivatives(
                 displacement + h * a[0], pump_pressure + h * a[1], motor_speed + h * a[2],
                 pprv_pressure + h * a[3], motor_angle + h * a[4], load_speed + h * a[5],
@@ -341,5 +346,6 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 for j in range(out.shape[1]):
                     out[i, j] = math.nan
             break
-    state[0], state[1], state[2], state[3] = displacement, pump_pressure, motor_speed, pprv_pressure
-    state[4], state[5], state[6], state[7], state[8] = motor_angle, load_speed, twist, reading, play
+    state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
+    state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
+    state[6], state[7], state[8] = twist, reading, play

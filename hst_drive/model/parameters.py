@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from hst_drive.rig import Curve, Rig
+import numpy as np
 
 NAMES: tuple[str, ...] = (
     'pump_shaft_speed', 'max_displacement', 'displacement_lag', 'displacement_scale',

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from typing import Mapping
 
-import numpy as np
-
 from hst_drive.rig import Rig
+import numpy as np
 
 
 class SensorBank:

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from scipy.linalg import logm
-from scipy.optimize import brentq
-
 from hst_drive.errors import InputError
 from hst_drive.model.compose import STATES
 from hst_drive.model.drive import Drive
 from hst_drive.model.parameters import INDEX
+import numpy as np
+from scipy.linalg import logm
+from scipy.optimize import brentq
 
 STEADY_STATES = ('displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure')
 _SCALES = np.array([1e-7, 1e5, 0.1, 1e5])
@@ -57,7 +56,9 @@ def operating_point(drive: Drive, speed: float, load_torque: float | None = None
     speed : float
         Hydromotor, rad/s, above standstill.
     load_torque : float, optional
-        N.m at the hydromotor shaft; alternatively ``pprv_command`` (V).
+        N.m at the hydromotor shaft.
+    pprv_command : float, optional
+        V, instead of ``load_torque``.
     oil_temperature : float, optional
         K; by default that of the tables.
 
