@@ -196,6 +196,29 @@ class Codec:
                     messages[index], np.uint8)[None, :], messages, out)
         return out
 
+    def layout(self, data: bytes, paths: Sequence[str]
+               ) -> tuple[dict[str, tuple[int, str]], list[tuple[int, int]]]:
+        """
+        Return where numbers lie in a message.
+
+        Returns
+        -------
+        offsets : dict of str to (int, str)
+            Place of the first byte, and struct format, by path; a path that the message does
+            not have is left out.
+        fixed : list of (int, int)
+            Place and size of what must be the same in another message for this to hold there.
+
+        Raises
+        ------
+        MalformedError
+            If the message does not fit the definition.
+
+        """
+        walk = self._walk(data, paths)
+        return ({path: (at, walk.order + letter) for path, (at, letter) in walk.offsets.items()},
+                walk.fixed)
+
     def _walk(self, data: bytes, paths: Sequence[str]) -> _Walk:
         walk = _Walk(self.types, data, set(paths))
         walk.message(self.type_name)

@@ -40,6 +40,7 @@ class LoadProfile(DriveNode):
         self._scenario = load_scenario(settings['scenario'], rig, settings['log'] or None)
         self._start: int | None = None
         self._count = 0
+        self._timer = None
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -61,12 +62,14 @@ class LoadProfile(DriveNode):
         super().said(name, word, stamp, counts)
         if word == sync.START and self._start is None:
             self._begin(stamp)
+        elif word == sync.LAST and self._timer is not None:
+            self._timer.cancel()
 
     def _begin(self, stamp: int) -> None:
         self._start = stamp
         if not self.lockstep:
             self._play(stamp)
-            self.create_timer(1.0 / self.settings['rate'], lambda: self._play(self.now()))
+            self._timer = self.create_timer(1.0 / self.settings['rate'], lambda: self._play(self.now()))
 
     def _clocked(self, message: Clock) -> None:
         stamp = message.clock.sec * BILLION + message.clock.nanosec

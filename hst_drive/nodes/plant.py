@@ -15,7 +15,7 @@ from hst_drive.model.compose import STATES
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
-from hst_drive.nodes.endpoints import BILLION, qos_profile, TRUTH
+from hst_drive.nodes.endpoints import BILLION, Output, qos_profile, topic_named, TRUTH
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
@@ -85,9 +85,7 @@ class Plant(DriveNode):
 
     def activate(self) -> None:
         """Open the endpoints."""
-        self.publish_to(*self._names)
-        if self.settings['truth']:
-            self.publish_to(*(f'{TRUTH}{name}' for name in self._names))
+        self._publish_readings()
         for name in _INPUTS:
             self.listen_to(name, lambda stamp, values, name=name:
                            self._commanded(name, stamp, values[0]))
@@ -100,6 +98,14 @@ class Plant(DriveNode):
         super().activate()
         self._ready = False
         self.create_timer(0.25, self._watch, clock=self._wall)
+
+    def _publish_readings(self) -> None:
+        for name in self._names:
+            topic = topic_named(name)
+            sensor = self._sensors.sensors.get(topic.fields[0].channel)
+            self.outputs[name] = Output(self, topic, sensor.noise_std**2 if sensor else 0.0)
+        if self.settings['truth']:
+            self.publish_to(*(f'{TRUTH}{name}' for name in self._names))
 
     def not_connected(self) -> list[str]:
         """Return the topics on which a partner is missing; load_profile reads the clock."""
@@ -228,6 +234,8 @@ class Plant(DriveNode):
                 self._finish()
 
     def _finish(self) -> None:
+        if not self.lockstep:
+            self.sync.say(sync.LAST, self._stamp())
         self._tell(last=True)
         self.stop(0)
 
