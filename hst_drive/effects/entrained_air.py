@@ -1,0 +1,39 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Free air in the oil: a soft spring at low pressure, hardly there at high pressure.
+
+``fraction`` is the volume of free air over that of oil at atmospheric pressure. Bubbles are
+compressed faster than they exchange heat, so the polytropic exponent is that of an adiabatic
+change of air.
+"""
+from hst_drive.effects.base import Effect, Parameter
+
+ATMOSPHERE = 101325.0   # Pa
+LEAST = 1000.0          # Pa absolute: below it the oil itself boils
+EXPONENT = 1.4
+
+
+def compliance(pump_pressure, fraction):
+    """Return what the air adds to the compressibility of the oil, 1/Pa."""
+    absolute = max(pump_pressure + ATMOSPHERE, LEAST)
+    return fraction * (ATMOSPHERE / absolute)**(1.0 / EXPONENT) / (EXPONENT * absolute)
+
+
+EFFECT = Effect(
+    id='entrained_air',
+    title='free air lowers the bulk modulus at low pressure',
+    slot='compliance',
+    function=compliance,
+    equation='1/K = 1/K_oil + fraction * (p0/p)^(1/1.4) / (1.4*p), p absolute',
+    parameters=(
+        Parameter('fraction', '1', 0.0, 0.2, 0.015,
+                  'volume of free air at atmospheric pressure over that of the oil'),
+    ),
+    telltale='At low pressure, pressure follows the commands slowly and rings at a low '
+             'frequency; at high pressure all is as it should be.',
+    source='H. E. Merritt, Hydraulic Control Systems, Wiley 1967, ch. 2: effective bulk modulus; '
+           'models compared by H. Gholizadeh, R. Burton and G. Schoenau, Fluid Bulk Modulus: '
+           'Comparison of Low Pressure Models, Int. J. Fluid Power 13 (2012).',
+    shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
+)

@@ -1,0 +1,27 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A gear that takes its share of the torque."""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def torque(load_torque, fraction):
+    """Return the torque that the gear adds to the load, N.m."""
+    return fraction * load_torque
+
+
+EFFECT = Effect(
+    id='gearbox_loss',
+    title='the gear takes its share of the torque',
+    slot='load_torque',
+    function=torque,
+    equation='T = fraction * T_load',
+    parameters=(
+        Parameter('fraction', '1', 0.0, 0.6, 0.06,
+                  'lost torque over the torque of the loading pump'),
+    ),
+    telltale="Pressure and measured torque are both higher than the loading pump's pressure "
+             'explains, in proportion to load.',
+    source='Load-dependent gear losses: G. Niemann and H. Winter, Maschinenelemente vol. 2, '
+           'Springer 2003; ISO/TR 14179-1.',
+    shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'load_torque'),
+)

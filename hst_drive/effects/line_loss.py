@@ -1,0 +1,33 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A long or narrow hose between the pump outlet and the hydromotor.
+
+Straight hose in laminar flow, and bends, couplings and turbulent flow.
+"""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def drop(flow, laminar, turbulent):
+    """Return the pressure lost between the pump outlet sensor and the hydromotor, Pa."""
+    return (laminar + turbulent * abs(flow)) * flow
+
+
+EFFECT = Effect(
+    id='line_loss',
+    title='pressure drop between the pump outlet sensor and the motor inlet',
+    slot='line_drop',
+    function=drop,
+    equation='dP = laminar*Q + turbulent*Q*|Q|',
+    parameters=(
+        Parameter('laminar', 'Pa.s/m^3', 0.0, 20000000000.0, 360000000.0,
+                  'resistance of the straight hose (Hagen-Poiseuille)'),
+        Parameter('turbulent', 'Pa.s^2/m^6', 0.0, 200000000000000.0, 2900000000000.0,
+                  'resistance of bends and couplings'),
+    ),
+    telltale='Pump pressure is too high by an amount that grows with flow, whatever the load; a '
+             'second pressure sensor at the hydromotor reads less.',
+    source='H. E. Merritt, Hydraulic Control Systems, Wiley 1967, ch. 3: laminar and turbulent '
+           'flow in pipes, minor losses.',
+    shows_in=('pump_outlet_pressure', 'motor_inlet_pressure'),
+)

@@ -1,0 +1,26 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A pressure sensor whose zero has moved."""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def error(bias):
+    """Return what is added to the pressure reading, Pa."""
+    return bias
+
+
+EFFECT = Effect(
+    id='pressure_sensor_bias',
+    title='the pressure reading is off by a constant',
+    slot='pressure_reading',
+    function=error,
+    equation='reading = P + bias',
+    parameters=(
+        Parameter('bias', 'Pa', -3000000.0, 3000000.0, 200000.0,
+                  'reading minus true pump outlet pressure'),
+    ),
+    telltale='The pressure reading is off by the same amount always, at standstill as well.',
+    source='Zero-measured output, the constant part of a sensor error: IEC 61298-2; E. O. '
+           'Doebelin, Measurement Systems, McGraw-Hill 2003.',
+    shows_in=('pump_outlet_pressure',),
+)

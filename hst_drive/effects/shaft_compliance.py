@@ -1,0 +1,33 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A shaft or drill string that twists.
+
+The kernel splits the inertia into a part at the hydromotor and one behind the shaft.
+"""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def twist(compliance):
+    """Return the twist per torque, rad/(N.m)."""
+    return compliance
+
+
+EFFECT = Effect(
+    id='shaft_compliance',
+    title='a flexible shaft or drill string between hydromotor and load',
+    slot='shaft_compliance',
+    function=twist,
+    equation='T_shaft = twist/compliance + damping',
+    parameters=(
+        Parameter('compliance', 'rad/(N.m)', 0.0, 0.1, 0.0031,
+                  'twist of the shaft per torque'),
+    ),
+    telltale='After a change of load, torque and speed ring at a frequency that the oil column '
+             'does not explain.',
+    source='Two-inertia drive: H. E. Merritt, Hydraulic Control Systems, Wiley 1967, on load '
+           'resonance; for drill strings J. D. Jansen and L. van den Steen, Active damping of '
+           'self-excited torsional vibrations in oil well drillstrings, J. Sound and Vibration '
+           '179 (1995).',
+    shows_in=('load_torque', 'motor_speed', 'pump_outlet_pressure'),
+)
