@@ -56,11 +56,19 @@ def run(args: argparse.Namespace) -> int:
     plan = make_plan(args)
     for note in plan.notes:
         say(f'note: {note}')
-    result = execute(plan, verbose=args.verbose)
+    try:
+        result = execute(plan, verbose=args.verbose)
+    except RunFailed as problem:
+        say(f'hst-drive run: {problem}')
+        return 1
     print(report(result))
     if args.json:
         write_json(result, args.json)
     return 130 if result['interrupted'] else 0
+
+
+class RunFailed(RuntimeError):
+    """A node has died; the text says which, why, and what is left."""
 
 
 class Plan(argparse.Namespace):
@@ -148,7 +156,7 @@ def execute(plan: Plan, verbose: bool = False) -> dict:
     ------
     InputError
         If a node refuses its parameters.
-    RuntimeError
+    RunFailed
         If a node dies; the bag is closed.
 
     """
@@ -213,7 +221,7 @@ def _fail(plan: Plan, died, progress: dict) -> None:
     for line in died.lines:
         say(f'  {died.name}: {line}')
     why = f': {died.reason}' if died.reason else ''
-    raise RuntimeError(f'{died}{why}{kept}')
+    raise RunFailed(f'{died}{why}{kept}')
 
 
 def _figures(plan: Plan, progress: dict, interrupted: bool) -> dict:

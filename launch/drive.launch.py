@@ -1,0 +1,60 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+All nodes of the drive with a scenario.
+
+    ros2 launch hst_drive drive.launch.py scenario:=layered_ground output:=my_bag duration:=30
+
+It ends when the plant has reached the duration, or when any node ends; the recorder is the last
+to go. Simulated time in lockstep unless ``lockstep:=false``.
+"""
+from hst_drive.nodes.wiring import NODES
+from hst_drive.resources import share
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
+from launch.event_handlers import OnProcessExit
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
+
+ARGUMENTS = {
+    'scenario': ('paper_step', 'name of a shipped scenario, or a file', str, 'load_profile'),
+    'log': ('', 'drilling log whose torque is the load', str, 'load_profile'),
+    'duration': ('30.0', 'length of the run in s', float, 'plant'),
+    'seed': ('1', "seed of the sensors' noise", int, 'plant'),
+    'speed': ('0.0', 'in lockstep: times real time; 0: as fast as it goes', float, 'plant'),
+    'mode': ('closed_loop', 'closed_loop or open_loop', str, 'controller'),
+    'output': ('drive_bag', 'folder to record to; must not exist', str, 'recorder'),
+}
+"""Launch argument: default, meaning, type, node whose parameter it is."""
+
+
+def generate_launch_description():
+    """Return the nodes and when to end."""
+    namespace = LaunchConfiguration('namespace')
+    common = {'lockstep': ParameterValue(LaunchConfiguration('lockstep'), value_type=bool),
+              'partners': list(NODES)}
+    nodes = {}
+    for name in NODES:
+        own = {key: ParameterValue(LaunchConfiguration(key), value_type=kind)
+               for key, (_, _, kind, node) in ARGUMENTS.items() if node == name}
+        if name in ('plant', 'load_profile', 'estimator'):
+            own['rig'] = ParameterValue(LaunchConfiguration('rig'), value_type=str)
+        nodes[name] = Node(
+            package='hst_drive', executable=name, namespace=namespace, output='screen',
+            parameters=[LaunchConfiguration('config'), common, own],
+            sigterm_timeout='15')
+    return LaunchDescription([
+        DeclareLaunchArgument('config', default_value=str(share('config', 'drive.yaml')),
+                              description='parameters of all nodes'),
+        DeclareLaunchArgument('rig', default_value='', description='rig file'),
+        DeclareLaunchArgument('namespace', default_value='drive', description='of all topics'),
+        DeclareLaunchArgument('lockstep', default_value='true',
+                              description='simulated time; false: the clock on the wall'),
+        *(DeclareLaunchArgument(name, default_value=default, description=meaning)
+          for name, (default, meaning, _, _) in ARGUMENTS.items()),
+        *nodes.values(),
+        *(RegisterEventHandler(OnProcessExit(
+            target_action=node, on_exit=[Shutdown(reason=f'{name} has ended')]))
+          for name, node in nodes.items()),
+    ])
