@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from hst_drive.effects import catalogue
 from hst_drive.measure.replay import Replay
@@ -26,6 +27,8 @@ from hst_drive.rig import Rig
 MAX_STEP = 5e-3         # s; halving it moves no reading by more than a tenth of its noise
 BLOCK = 2.0             # s; errors further apart than this count as independent
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
+STAMPS = 1e-3           # s: how well time stamps and steps of the load are known
+_START = 3.0            # s within which a drive may still break away from standstill
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 
 
@@ -56,6 +59,22 @@ class Model:
                                       if key != name})
 
 
+class Column(NamedTuple):
+    """
+    One signal of one log.
+
+    ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
+    is below 1 where the signal moves so fast that the time stamps matter.
+    """
+
+    log: int
+    signal: str
+    fit: np.ndarray
+    judge: np.ndarray
+    scale: float
+    trust: np.ndarray
+
+
 class Campaign:
     """
     Recordings to fit on and recordings to judge on.
@@ -79,7 +98,7 @@ class Campaign:
             name for replay in self.replays for name in replay.signals))
         self._weights = [self._weigh(replay, index, len(runs), bool(holdout))
                          for index, replay in enumerate(self.replays)]
-        self._columns = self._layout()
+        self.columns = self._layout()
 
     @staticmethod
     def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:
@@ -93,18 +112,26 @@ class Campaign:
             if block[-1] < 2:
                 part = np.where(time < 0.67 * time[-1], 1, -1)
         part[time < SETTLE] = 0
+        if 'motor_speed' in replay.run:
+            # Breaking away from standstill hangs on fractions of a volt and a newton metre.
+            speed = np.nan_to_num(np.abs(replay.run['motor_speed']))
+            starting = (time < _START) & (speed < 0.3 * np.median(speed))
+            if starting.any():
+                part[:np.flatnonzero(starting)[-1] + 1] = 0
         return part
 
-    def _layout(self) -> list[tuple[int, str, np.ndarray, np.ndarray, float]]:
-        """Return (log, signal, samples to fit, samples to judge, 1/floor) per column."""
+    def _layout(self) -> list[Column]:
         columns = []
         for index, replay in enumerate(self.replays):
             for name in replay.signals:
                 valid = np.isfinite(replay.run[name])
                 part = self._weights[index]
-                columns.append((index, name, np.flatnonzero(valid & (part > 0)),
-                                np.flatnonzero(valid & (part < 0)),
-                                1.0 / self.floors[index][name]))
+                floor = self.floors[index][name]
+                moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0),
+                                                       1.5), replay.run.time)
+                trust = 1.0 / np.sqrt(1.0 + (STAMPS * moving / floor)**2)
+                columns.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
+                                      np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
         return columns
 
     def driver(self, model: Model) -> Drive:
@@ -128,32 +155,29 @@ class Campaign:
         """Return the normalised errors of all samples, column by column (``columns``)."""
         given = self.signals_of(model)
         errors = []
-        for index, name, _, _, scale in self._columns:
-            error = (given[index][name] - self.replays[index].run[name]) * scale
+        for column in self.columns:
+            measured = self.replays[column.log].run[column.signal]
+            error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
             errors.append(np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3))
         return errors
 
-    @property
-    def columns(self) -> list[tuple[int, str]]:
-        """Log index and signal of each column of ``errors``."""
-        return [(index, name) for index, name, *_ in self._columns]
-
     def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:
         """Return the errors to fit on as one vector, weighted for their correlation."""
-        parts = []
-        for error, (index, _, fit, _, _) in zip(errors, self._columns):
-            rate = 1.0 / self.replays[index].run.sample_time
-            parts.append(error[fit] / np.sqrt(max(0.1 * rate, 1.0)))
-        return np.concatenate(parts) if parts else np.zeros(0)
+        return np.concatenate([(error * column.trust)[column.fit] * self.thinning(column)
+                               for error, column in zip(errors, self.columns)])
+
+    def thinning(self, column: Column) -> float:
+        """Return the weight that makes samples closer than 0.1 s count as one."""
+        return float(np.sqrt(min(10 * self.replays[column.log].run.sample_time, 1.0)))
 
     def ratios(self, errors: Sequence[np.ndarray], held_out: bool) -> dict[str, float]:
         """Return the noise ratio by signal, over all logs."""
         squares: dict[str, list[float]] = {}
-        for error, (_, name, fit, judge, _) in zip(errors, self._columns):
-            chosen = error[judge if held_out else fit]
+        for error, column in zip(errors, self.columns):
+            chosen = (error * column.trust)[column.judge if held_out else column.fit]
             if len(chosen):
-                entry = squares.setdefault(name, [0.0, 0.0])
+                entry = squares.setdefault(column.signal, [0.0, 0.0])
                 entry[0] += float(chosen @ chosen)
                 entry[1] += len(chosen)
         return {name: float(np.sqrt(total / count)) for name, (total, count) in squares.items()}
@@ -178,11 +202,12 @@ class Campaign:
         result = {}
         for name in self.signals:
             sums, counts = np.zeros(total), np.zeros(total)
-            for error, (index, signal, fit, judge, _) in zip(errors, self._columns):
-                if signal == name:
-                    chosen = judge if held_out else fit
-                    sums += np.bincount(numbers[index][chosen], error[chosen]**2, total)
-                    counts += np.bincount(numbers[index][chosen], minlength=total)
+            for error, column in zip(errors, self.columns):
+                if column.signal == name:
+                    chosen = column.judge if held_out else column.fit
+                    number = numbers[column.log][chosen]
+                    sums += np.bincount(number, (error * column.trust)[chosen]**2, total)
+                    counts += np.bincount(number, minlength=total)
             result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
         used = np.any([np.isfinite(values) for values in result.values()], axis=0)
         return {name: values[used] for name, values in result.items()}

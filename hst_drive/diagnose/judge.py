@@ -59,10 +59,9 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
 def contribution(campaign: Campaign, base: Fit, model: Fit) -> dict[str, float]:
     """Return what the effects of a model do to each signal, rms in floors, on held-out data."""
     total: dict[str, list[float]] = {}
-    for first, second, (_, name, _, judge, _) in zip(
-            base.errors, model.errors, campaign._columns):
-        moved = (first - second)[judge]
-        entry = total.setdefault(name, [0.0, 0.0])
+    for first, second, column in zip(base.errors, model.errors, campaign.columns):
+        moved = ((first - second) * column.trust)[column.judge]
+        entry = total.setdefault(column.signal, [0.0, 0.0])
         entry[0] += float(moved @ moved)
         entry[1] += len(moved)
     return {name: float(np.sqrt(power / count)) if count else 0.0

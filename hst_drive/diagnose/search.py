@@ -58,9 +58,9 @@ class Search:
     def score(self, fitted: Fit) -> float:
         """Return the held-out squared error plus what the priors ask; lower is better."""
         total = 0.0
-        for error, (index, _, _, judge, _) in zip(fitted.errors, self.campaign._columns):
-            rate = 1.0 / self.campaign.replays[index].run.sample_time
-            total += float(error[judge] @ error[judge]) / max(0.1 * rate, 1.0)
+        for error, column in zip(fitted.errors, self.campaign.columns):
+            judged = (error * column.trust)[column.judge] * self.campaign.thinning(column)
+            total += float(judged @ judged)
         return total + fitted.cost
 
     def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]],
@@ -127,6 +127,22 @@ class Search:
         refined = Candidate(candidate.names, found, self.score(found))
         self._known[candidate.names] = refined
         return refined
+
+    def single(self, name: str) -> Candidate:
+        """Return the fit with one effect alone."""
+        return self.try_all([((name,), self.base.model)], 'fitting effects')[0]
+
+    def likeness(self, name: str) -> Callable[[str], float]:
+        """Return a measure of how alike another effect moves the signals, 0 to 1."""
+        start = self.campaign.training(self.base.errors)
+        own = self.campaign.training(self.single(name).fit.errors) - start
+
+        def measure(other: str) -> float:
+            move = self.campaign.training(self.single(other).fit.errors) - start
+            power = float(own @ own) * float(move @ move)
+            return float(own @ move)**2 / power if power > 0 else 0.0
+
+        return measure
 
     def singles(self) -> list[Candidate]:
         """Return every effect alone, the best first."""

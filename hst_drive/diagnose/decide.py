@@ -1,0 +1,236 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From fitted candidates to an answer: none, found, ambiguous or unknown."""
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+from hst_drive.diagnose import unknown as unknowns
+from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.fit import Fit, SIGMAS
+from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.observable import visibility
+from hst_drive.diagnose.result import (
+    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
+from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.effects import catalogue
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.rig import Rig
+
+_RIVALS_TRIED = 6
+_BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
+_BEATEN_SIGMA = 3.0
+_BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
+_MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
+
+
+def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
+             progress: Callable[[str], None] = lambda text: None) -> Diagnosis:
+    """
+    Say which physical effects a model lacks.
+
+    Parameters
+    ----------
+    rig : Rig
+        The baseline; effects that it has adopted are part of it.
+    runs : sequence of Run
+        One campaign: recordings of the same drive.
+    holdout : sequence of Run
+        Recordings to judge on; without them a third of ``runs`` is held out.
+    progress : callable
+        Called with a text while the work goes on.
+
+    Raises
+    ------
+    InputError
+        If the logs lack the channels that a replay needs.
+
+    """
+    progress('calibrating the unit')
+    campaign = Campaign(rig, runs, holdout)
+    names = [name for name in catalogue() if name not in rig.effects]
+    search = Search(campaign, [], progress)
+    seen = visibility(campaign, search.base, names)
+    hidden = {entry.id: entry.reason for entry in seen if entry.reason}
+    search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
+    best = search.run()
+    left = search.unexplained(best)
+    remaining = unknowns.describe(campaign, best.fit) if left else None
+    if left and best.names and not _carries(search, best):
+        best = search.baseline
+        remaining = unknowns.describe(campaign, best.fit)
+    order = _order(search, best)
+    rivals = {name: _rivals(search, best, name) for name in order}
+    ladder = _ladder(campaign, search, best, order)
+    limits = intervals(campaign, best.fit) if best.names else {}
+    effects = tuple(Found(
+        name, {key: Value(value, *limits[name, key], _unit(name, key))
+               for key, value in best.fit.model.effects[name].items()},
+        removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
+    ambiguous = any(rivals.values())
+    verdict = ('unknown' if left else 'none' if not effects
+               else 'ambiguous' if ambiguous else 'missing_effect')
+    return Diagnosis(
+        verdict=verdict, sentence=_sentence(verdict, effects, ladder, remaining),
+        effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
+        smallest={entry.id: entry.smallest for entry in seen
+                  if entry.id not in hidden and entry.id not in best.names},
+        calibration=_calibration(campaign, best.fit), unknown=remaining,
+        next_test=_next_test(effects) if ambiguous else None,
+        rivals=_why_lost(search, best, rivals), rig=rig.source or rig.name,
+        logs=tuple(run.source for run in (*runs, *holdout)))
+
+
+def _unit(effect: str, key: str) -> str:
+    return next(entry.unit for entry in catalogue()[effect].parameters if entry.name == key)
+
+
+def _excess(ratios: dict[str, float]) -> float:
+    return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
+
+
+def _carries(search: Search, best: Candidate) -> bool:
+    """Say whether effects found beside an unknown remove the better part of the error."""
+    before = search.campaign.ratios(search.base.errors, True)
+    after = search.campaign.ratios(best.fit.errors, True)
+    return any(before[name] > 1.3 and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
+               * (before[name]**2 - 1) for name in before) \
+        and _excess(after) < (1 - _MAIN_SHARE) * _excess(before)
+
+
+def _order(search: Search, best: Candidate) -> list[str]:
+    """Return the effects in the order in which the error falls."""
+    order: list[str] = []
+    while len(order) < len(best.names):
+        rest = [name for name in best.names if name not in order]
+        if len(rest) == 1:
+            order += rest
+            break
+        trials = search.try_all([((*order, name), _part(best.fit.model, (*order, name)))
+                                 for name in rest], 'ordering')
+        order.append(rest[min(range(len(rest)), key=lambda k: trials[k].score)])
+    return order
+
+
+def _part(model: Model, names: Sequence[str]) -> Model:
+    return Model({name: model.effects[name] for name in names}, model.factors)
+
+
+def _ladder(campaign: Campaign, search: Search, best: Candidate,
+            order: Sequence[str]) -> tuple[Step, ...]:
+    def step(added: str, errors) -> Step:
+        return Step(added, campaign.ratios(errors, False), campaign.ratios(errors, True))
+
+    steps = [step('datasheet', campaign.errors(Model())),
+             step('calibrated unit', search.base.errors)]
+    for count in range(1, len(order) + 1):
+        names = tuple(sorted(order[:count]))
+        if count == len(order):
+            fitted = best.fit
+        else:
+            fitted = search.try_all([(names, _part(best.fit.model, names))], 'ladder')[0].fit
+        steps.append(step(order[count - 1], fitted.errors))
+    return tuple(steps)
+
+
+def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
+    start = _excess(ladder[1].holdout)
+    return [max((_excess(before.holdout) - _excess(after.holdout)) / start, 0.0) if start else 0.0
+            for before, after in zip(ladder[1:], ladder[2:])]
+
+
+def _beaten(search: Search, best: Candidate, rival: Candidate) -> bool:
+    """Say whether the data tell the rival from the best explanation."""
+    found = search.gain(rival, best)
+    clear = any(found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
+                for name in found.share)
+    return clear and rival.score - best.score > _BEATEN_SCORE
+
+
+def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
+    """Return the effects that could stand in the place of one of those found."""
+    kept = best.fit.model.without(name)
+    others = tuple(entry for entry in best.names if entry != name)
+    singles = sorted((entry for entry in search.candidates
+                      if entry not in best.names), key=lambda entry: search.single(entry).score)
+    if others:
+        residual = search.likeness(name)
+        singles.sort(key=lambda entry: -residual(entry))
+    found = search.try_all([((*others, entry), kept) for entry in singles[:_RIVALS_TRIED]],
+                           'trying rivals')
+    return tuple(next(entry for entry in rival.names if entry not in others)
+                 for rival in sorted(found, key=lambda item: item.score)
+                 if not _beaten(search, best, rival))
+
+
+def _ranking(search: Search) -> tuple[Ranked, ...]:
+    entries = []
+    for name in search.candidates:
+        candidate = search.single(name)
+        ratios = search.campaign.ratios(candidate.fit.errors, True)
+        mean = (sum(value**2 for value in ratios.values()) / max(len(ratios), 1))**0.5
+        entries.append(Ranked(name, mean, 0.5 * (search.baseline.score - candidate.score)))
+    return tuple(sorted(entries, key=lambda entry: -entry.evidence))
+
+
+def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> dict[
+        str, str]:
+    """Say of the nearest candidates why they are not the answer."""
+    if not best.names:
+        return {}
+    standing = {entry for group in rivals.values() for entry in group}
+    told: dict[str, str] = {}
+    for entry in _ranking(search)[:6]:
+        if entry.id in best.names or entry.id in standing:
+            continue
+        candidate = search.single(entry.id)
+        found = search.gain(candidate, best)
+        worst = max(found.share, key=lambda key: found.share[key])
+        ratios = search.campaign.ratios(candidate.fit.errors, True)
+        told[entry.id] = (f'leaves {CHANNELS[worst].title} at {ratios[worst]:.1f} times the '
+                          f'noise, {100 * max(found.share[worst], 0):.0f} % more squared error')
+    return told
+
+
+def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
+    import math
+    return tuple(sorted(
+        (Calibrated(key, math.exp(value), value / campaign.tolerances[key],
+                    abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key])
+         for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
+
+
+def _next_test(effects: Sequence[Found]) -> NextTest | None:
+    for entry in effects:
+        if entry.indistinguishable_from:
+            return NextTest((entry.id, *entry.indistinguishable_from),
+                            "run 'hst-drive design' with this diagnosis: it writes the load and "
+                            'command profile, or names the sensor, that separates them')
+    return None
+
+
+def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], remaining) -> str:
+    first, last = ladder[1].holdout, ladder[-1].holdout
+    signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
+        max(first, key=first.get, default='')
+    if not signal:
+        return 'There is nothing to judge.'
+    title = CHANNELS[signal].title
+    lacks = ' and '.join(f'{entry.id} ({catalogue()[entry.id].title})' for entry in effects)
+    falls = (f'Held-out error of {title} falls from {first[signal]:.1f} to {last[signal]:.1f} '
+             'times the noise.')
+    if verdict == 'none':
+        return ('Nothing is missing: the model, calibrated within the tolerances, explains these '
+                f'logs down to the noise (worst held-out: {title}, {first[signal]:.2f} times).')
+    if verdict == 'missing_effect':
+        return f'The model lacks {lacks}. {falls}'
+    if verdict == 'ambiguous':
+        doubts = '; '.join(f"{entry.id} cannot be told from {', '.join(entry.indistinguishable_from)}"
+                           for entry in effects if entry.indistinguishable_from)
+        return f'The model lacks {lacks}, but {doubts} on these logs. {falls}'
+    place = ''
+    if remaining:
+        on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
+        place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.'
+    start = f'The model lacks {lacks}, and something' if effects else 'The model lacks something'
+    return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')

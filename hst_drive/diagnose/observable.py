@@ -1,0 +1,101 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What these logs can show at all.
+
+An effect that the channels cannot show, or that the log never exercised, is 'not observable
+here', not absent; and where nothing is found, the smallest size that would have been found
+says what 'none' is worth.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from hst_drive.diagnose.campaign import Campaign, typical
+from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
+from hst_drive.effects import catalogue
+
+
+class Visibility(NamedTuple):
+    """
+    How well an effect shows in a campaign.
+
+    Attributes
+    ----------
+    id : str
+        The effect.
+    smallest : float
+        Size (first parameter, SI) that these logs would have shown; inf if none.
+    reason : str
+        Why it cannot be seen; empty if it can.
+
+    """
+
+    id: str
+    smallest: float
+    reason: str
+
+
+def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visibility]:
+    """
+    Judge how large each effect would have to be to be found.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The recordings.
+    base : Fit
+        Calibrated model with its Jacobian; an effect that the unit's tolerances can imitate
+        does not show.
+    names : sequence of str
+        Effects.
+
+    """
+    channels = set(campaign.signals)
+    start = campaign.training(base.errors)
+    factors = base.jacobian[:, :len(campaign.tolerances)]
+    normal = factors.T @ factors + np.eye(factors.shape[1])
+    places = _places(campaign)
+    found = []
+    for name in names:
+        effect = catalogue()[name]
+        if effect.shows_in and not channels & set(effect.shows_in):
+            found.append(Visibility(name, np.inf, 'needs one of the channels '
+                                    + ', '.join(effect.shows_in)))
+            continue
+        size = effect.parameters[0]
+        model = base.model.with_effect(name, typical(name))
+        move = campaign.training(campaign.errors(model)) - start
+        left = move - factors @ np.linalg.solve(normal, factors.T @ move)
+        smallest = abs(size.typical) * np.sqrt(min(
+            _needed(start[place], left[place]) for place in places))
+        limit = max(abs(size.low), abs(size.high))
+        reason = '' if smallest <= limit else \
+            'these logs do not exercise it beyond what the unit may differ'
+        found.append(Visibility(name, float(smallest), reason))
+    return found
+
+
+def _places(campaign: Campaign) -> list[np.ndarray]:
+    """Return where each signal lies in the training vector."""
+    places: dict[str, list[np.ndarray]] = {}
+    start = 0
+    for column in campaign.columns:
+        places.setdefault(column.signal, []).append(np.arange(start, start + len(column.fit)))
+        start += len(column.fit)
+    return [np.concatenate(parts) for parts in places.values()]
+
+
+def _needed(error: np.ndarray, move: np.ndarray) -> float:
+    """Return the squared factor on ``move`` at which it would be worth naming."""
+    power = float(np.mean(move**2))
+    if power <= 0:
+        return np.inf
+    noise = float(np.mean(error**2))
+    size = max(len(error) // 200, 1)
+    blocks = [block.mean() for block in np.array_split(error**2, max(len(error) // size, 2))]
+    scatter = float(np.std(blocks) / np.sqrt(len(blocks)))
+    return max(PRACTICAL * noise, SIGNIFICANT * scatter) / power

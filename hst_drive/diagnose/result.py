@@ -1,0 +1,124 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a diagnosis says."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class Value(NamedTuple):
+    """A fitted parameter with its 95 % interval, SI."""
+
+    value: float
+    low: float
+    high: float
+    unit: str
+
+
+class Found(NamedTuple):
+    """
+    An effect that the model lacks.
+
+    ``error_removed`` is the share of the held-out squared error above the noise that this step
+    removed; ``indistinguishable_from`` are effects that explain these logs as well.
+    """
+
+    id: str
+    parameters: dict[str, Value]
+    error_removed: float
+    indistinguishable_from: tuple[str, ...]
+
+
+class Ranked(NamedTuple):
+    """
+    A candidate alone: held-out noise ratio and evidence.
+
+    ``evidence`` is half the fall of the weighted squared error (training, held-out and priors)
+    against the calibrated baseline: the natural logarithm of the likelihood ratio with errors
+    closer than 0.1 s counted as one.
+    """
+
+    id: str
+    holdout_noise_ratio: float
+    evidence: float
+
+
+class Step(NamedTuple):
+    """A rung of the ladder: what was added, and the noise ratios then."""
+
+    added: str
+    training: dict[str, float]
+    holdout: dict[str, float]
+
+
+class Unknown(NamedTuple):
+    """Where a structured error remains, on what it depends, and a formula for it."""
+
+    enters: str
+    signal: str
+    depends_on: tuple[str, ...]
+    expression: str
+    terms: tuple[dict, ...]
+    explained: float
+
+
+class NextTest(NamedTuple):
+    """What would separate effects that these logs cannot."""
+
+    separates: tuple[str, ...]
+    what: str
+
+
+class Calibrated(NamedTuple):
+    """A quantity of this unit: factor on the datasheet, in tolerances, and at its limit or not."""
+
+    quantity: str
+    factor: float
+    sigmas: float
+    at_limit: bool
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """
+    The answer: a verdict and all that it rests on.
+
+    Attributes
+    ----------
+    verdict : str
+        'none', 'missing_effect', 'ambiguous' or 'unknown'.
+    sentence : str
+        The answer for people.
+    effects : tuple of Found
+        What to add, in the order in which the error falls.
+    ranking : tuple of Ranked
+        Every candidate alone, the best first.
+    ladder : tuple of Step
+        Datasheet, calibrated unit, then one step per effect.
+    not_observable : dict of str to str
+        Effects that these logs cannot show, and why.
+    smallest : dict of str to float
+        The size of each other effect (first parameter, SI) that these logs would have shown.
+    calibration : tuple of Calibrated
+        How this unit is off its datasheet.
+    unknown, next_test
+        See there; None if there is nothing to say.
+    rivals : dict of str to str
+        Effects that lost, and why.
+
+    """
+
+    verdict: str
+    sentence: str
+    effects: tuple[Found, ...]
+    ranking: tuple[Ranked, ...]
+    ladder: tuple[Step, ...]
+    not_observable: dict[str, str]
+    smallest: dict[str, float]
+    calibration: tuple[Calibrated, ...]
+    unknown: Unknown | None = None
+    next_test: NextTest | None = None
+    rivals: dict[str, str] = field(default_factory=dict)
+    rig: str = ''
+    logs: tuple[str, ...] = ()
