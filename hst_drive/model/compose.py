@@ -35,6 +35,7 @@ CONSTANTS = {
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'SHAFT_LOAD_SIDE_SHARE': 0.35,    # of the inertia lies behind a flexible shaft
     'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
+    'SHAFT_RIGID': 1.2e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }
 OUTPUTS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque',

@@ -177,7 +177,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     # slot shaft_compliance
     if on[ON_SHAFT]:
         shaft_torque = (twist + SHAFT_DAMPING_TIME * (motor_speed - load_speed)) / max(
-            shaft_compliance, 1e-9)
+            shaft_compliance, SHAFT_RIGID / p[P_inertia])
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow)
 
@@ -256,6 +256,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         # slot speed_reading_lag
         if speed_reading_lag <= 0.0:
             reading = motor_speed
+        else:
+            # A shorter lag than this cannot be seen, and would be stiff.
+            speed_reading_lag = max(speed_reading_lag, 0.5 * max_step)
         target = p[P_displacement_scale] * interpolate(
             pump_command, T_DISPLACEMENT, values, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
@@ -306,6 +309,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     pump_pressure + max(a[1], 0.0) * step
                     > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]) or on[ON_SHAFT]:
                 step = 0.1 * max_step
+                if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED:
+                    # So much less inertia meets the same friction at standstill.
+                    step *= SHAFT_LOAD_SIDE_SHARE
             step = remaining / math.ceil(remaining / step - 1e-9)
             h = 0.5 * step
             d2 = d1 + slope * h
