@@ -10,8 +10,9 @@ from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.resources import share
-from hst_drive.rig.load import default_rig, read_yaml
+from hst_drive.rig.load import default_rig
 from hst_drive.rig.rig import Rig
+from hst_drive.rig.yaml_file import read_yaml
 
 
 def shipped_scenarios() -> dict[str, Path]:

@@ -6,68 +6,23 @@ from __future__ import annotations
 from difflib import get_close_matches
 import math
 from pathlib import Path
-
-import numpy as np
-import yaml
+from reprlib import repr as short
 
 from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
-    Limits, Number, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES, Word)
+    Limits, Number, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
+from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, to_si, UnitError, UNITS
+import numpy as np
 
 _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
             'relief_valve': parts.ReliefValve, 'loading': parts.Loading,
             'controller': parts.Controller}
 _TOP = (*SECTIONS, 'name', 'sensors', 'tolerances_1_sigma_relative',
         'characterised_at_oil_temperature_degC', 'effects', 'calibration', 'provenance')
-
-
-class _Loader(yaml.SafeLoader):
-    """Safe YAML that refuses a key written twice (plain YAML keeps the last, silently)."""
-
-
-def _mapping(loader: yaml.SafeLoader, node: yaml.MappingNode) -> dict:
-    seen = set()
-    for key_node, _ in node.value:
-        key = loader.construct_object(key_node)
-        if key in seen:
-            raise yaml.constructor.ConstructorError(
-                None, None, f"key '{key}' is written twice; keep one", key_node.start_mark)
-        seen.add(key)
-    return yaml.SafeLoader.construct_mapping(loader, node, deep=True)
-
-
-_Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
-
-
-def read_yaml(path: str | Path) -> dict:
-    """
-    Read a YAML mapping.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not YAML or is not a mapping.
-
-    """
-    try:
-        content = yaml.load(Path(path).read_text(encoding='utf-8'), Loader=_Loader)
-    except OSError as error:
-        raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
-    except UnicodeDecodeError:
-        raise InputError(f'{path}: is not a text file; expected YAML') from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        mark = getattr(error, 'problem_mark', None)
-        line = f' line {mark.line + 1}:' if mark else ''
-        problem = getattr(error, 'problem', None) or 'not YAML'
-        raise InputError(f'{path}:{line} {problem}; mend the YAML') from None
-    if not isinstance(content, dict):
-        raise InputError(f'{path}: found {type(content).__name__}, expected a mapping of '
-                         'keys to values')
-    return content
 
 
 def load_rig(path: str | Path) -> Rig:
@@ -103,6 +58,9 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
     if not sections:
         raise InputError(f'{source}: no section of a rig found; expected at least one of '
                          f'{", ".join(SECTIONS)}')
+    provenance = content.get('provenance') or {}
+    if not isinstance(provenance, dict):
+        raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
     _number(temperature, -50, 200, source, 'characterised_at_oil_temperature_degC', 'degC')
     return Rig(
@@ -112,12 +70,12 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         characterised_at=to_si(float(temperature), 'degC'),
         effects=_values(content.get('effects', {}), source, 'effects'),
         calibration=_factors(content.get('calibration', {}), source),
-        provenance=content.get('provenance', {}) or {}, source=source)
+        provenance=provenance, source=source)
 
 
 def _known(mapping, allowed, source: str, where: str) -> None:
     if not isinstance(mapping, dict):
-        raise InputError(f"{source}: '{where}' is {mapping!r}, expected a mapping of keys")
+        raise InputError(f"{source}: '{where}' is {_shown(mapping)}, expected a mapping of keys")
     for key in mapping:
         if key in allowed:
             continue
@@ -145,12 +103,21 @@ def _other_unit(key: str, name: str) -> str:
     return ''
 
 
+def _shown(value) -> str:
+    """Return a value for a message: short, and without Python's word for nothing."""
+    return 'empty' if value is None else short(value)
+
+
 def _number(value, low: float, high: float, source: str, key: str, unit: str) -> float:
+    unit = '' if unit == '1' else f' {unit}'
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise InputError(f"{source}: '{key}' is {value!r}, expected a number in {unit}")
-    if not math.isfinite(value) or not low <= value <= high:
-        raise InputError(f"{source}: '{key}' is {value:g} {unit}, outside the physical range "
-                         f'{low:g} to {high:g} {unit}; check the value and its unit')
+        raise InputError(f"{source}: '{key}' is {_shown(value)}, expected a number"
+                         f"{unit and ' in'}{unit}")
+    # An integer may be too large for a float: compare first.
+    if not low <= value <= high:
+        found = f'{value:g}' if isinstance(value, float) else short(value)
+        raise InputError(f"{source}: '{key}' is {found}{unit}, outside the physical range "
+                         f'{low:g} to {high:g}{unit}; check the value and its unit')
     return float(value)
 
 
@@ -174,18 +141,21 @@ def _section(name: str, content, source: str):
             values[entry.attribute] = _limits(found, source, path, entry.unit)
         else:
             if not isinstance(found, str):
-                raise InputError(f"{source}: '{path}' is {found!r}, expected a text")
+                raise InputError(f"{source}: '{path}' is {_shown(found)}, expected a text")
             values[entry.attribute] = found
     if name == 'relief_valve':
         values.setdefault('reference_pressure', values['set_pressure'])
     if 'pistons' in values:
         values['pistons'] = int(values['pistons'])
+        if values['pistons'] != content['pistons']:
+            raise InputError(f"{source}: 'motor.pistons' is {content['pistons']}, expected a "
+                             'whole number')
     return _CLASSES[name](**values)
 
 
 def _limits(found, source: str, path: str, unit: str) -> tuple[float, float]:
     if not isinstance(found, list) or len(found) != 2:
-        raise InputError(f"{source}: '{path}' is {found!r}, expected [low, high] in {unit}")
+        raise InputError(f"{source}: '{path}' is {_shown(found)}, expected [low, high] in {unit}")
     low, high = (to_si(_number(value, -1e9, 1e9, source, path, unit), unit) for value in found)
     if not low < high:
         raise InputError(f"{source}: '{path}' is {found}, expected low below high")
@@ -194,7 +164,8 @@ def _limits(found, source: str, path: str, unit: str) -> tuple[float, float]:
 
 def _list(found, low: float, high: float, source: str, path: str, unit: str) -> np.ndarray:
     if not isinstance(found, list) or len(found) < 2:
-        raise InputError(f"{source}: '{path}' is {found!r}, expected a list of at least 2 numbers")
+        raise InputError(f"{source}: '{path}' is {_shown(found)}, expected a list of at "
+                         'least 2 numbers')
     return np.array([_number(value, low, high, source, f'{path}[{index}]', unit)
                      for index, value in enumerate(found)])
 
@@ -227,8 +198,8 @@ def _table(entry: Table, found, source: str, path: str) -> Curve | Surface:
         return Curve(axes[0], to_si(values, entry.unit))
     rows = found[entry.value]
     if not isinstance(rows, list) or len(rows) != len(axes[0]):
-        count = len(rows) if isinstance(rows, list) else repr(rows)
-        raise InputError(f"{source}: '{key}' has {count} rows, expected {len(axes[0])}: one for "
+        count = f'has {len(rows)} rows' if isinstance(rows, list) else f'is {_shown(rows)}'
+        raise InputError(f"{source}: '{key}' {count}, expected {len(axes[0])} rows: one for "
                          f"each value of '{entry.axes[0][0]}'")
     grid = []
     for index, row in enumerate(rows):
@@ -275,11 +246,12 @@ def _factors(found, source: str) -> dict[str, float]:
 def _values(found, source: str, where: str) -> dict[str, dict[str, float]]:
     """Read adopted effects, ``id: {parameter: value}``, numbers in SI or texts with a unit."""
     if not isinstance(found, dict):
-        raise InputError(f"{source}: '{where}' is {found!r}, expected effects by id")
+        raise InputError(f"{source}: '{where}' is {_shown(found)}, expected effects by id")
     effects = {}
     for name, content in found.items():
         if not isinstance(content, dict):
-            raise InputError(f"{source}: '{where}.{name}' is {content!r}, expected parameters")
+            raise InputError(f"{source}: '{where}.{name}' is {_shown(content)}, expected "
+                             'parameters')
         effects[str(name)] = {str(key): _quantity(value, source, f'{where}.{name}.{key}')
                               for key, value in content.items()}
     return effects
@@ -289,8 +261,11 @@ def _quantity(value, source: str, key: str) -> float:
     if isinstance(value, str):
         number, _, unit = value.strip().partition(' ')
         try:
-            return float(to_si(float(number), unit.strip()))
+            found = float(to_si(float(number), unit.strip()))
+            if math.isfinite(found):
+                return found
+            raise ValueError(number)
         except (ValueError, UnitError):
-            raise InputError(f"{source}: '{key}' is {value!r}, expected a number with its unit, "
-                             "as '12 N.m'") from None
+            raise InputError(f"{source}: '{key}' is {short(value)}, expected a number with its "
+                             "unit, as '12 N.m'") from None
     return _number(value, -1e30, 1e30, source, key, 'SI')

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from hst_drive.errors import InputError
+import numpy as np
 
 
 @dataclass(frozen=True, eq=False)

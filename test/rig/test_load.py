@@ -1,0 +1,203 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Rig files: the shipped one, parts of one, and one clear line for every slip."""
+import copy
+import math
+from pathlib import Path
+
+from hst_drive.errors import InputError
+from hst_drive.model import Drive
+from hst_drive.resources import share
+from hst_drive.rig import default_rig, load_rig, parse_rig
+import numpy as np
+import pytest
+import yaml
+
+SHIPPED = share('config', 'rig', 'test_rig.yaml')
+DATASHEET = Path(__file__).resolve().parents[3] / 'shared' / 'rig' / 'datasheet.yaml'
+GOOD = yaml.safe_load(SHIPPED.read_text())
+MISSING = object()
+
+
+def changed(path, value):
+    """Return the shipped rig with one entry replaced, added or (MISSING) taken out."""
+    content = copy.deepcopy(GOOD)
+    *parents, last = path.split('.')
+    place = content
+    for key in parents:
+        place = place[key]
+    if value is MISSING:
+        del place[last]
+    else:
+        place[last] = value
+    return content
+
+
+def test_every_number_arrives_in_si():
+    rig = default_rig()
+    turn = 2 * math.pi
+    assert rig.pump.shaft_speed == pytest.approx(1450 * turn / 60)
+    assert rig.pump.max_displacement == pytest.approx(28e-6 / turn)
+    assert rig.pump.displacement(3.0) == pytest.approx(4.88e-6 / turn)
+    assert rig.pump.leakage(100e5, 5.0) == pytest.approx(0.398e-3 / 60)
+    assert rig.motor.displacement == pytest.approx(195e-6 / turn)
+    assert rig.motor.inertia == 0.35 and rig.motor.pistons == 7
+    assert rig.motor.leakage(25e5, 50 * turn / 60) == pytest.approx(0.145e-3 / 60)
+    assert rig.motor.mechanical_efficiency(60e5, 100 * turn / 60) == pytest.approx(0.863)
+    assert (rig.line.bulk_modulus, rig.line.volume, rig.line.oil_density) == (1.2e9, 9e-4, 870)
+    assert rig.relief_valve.set_pressure == rig.relief_valve.reference_pressure == 200e5
+    assert rig.loading.pump_displacement == pytest.approx(10e-6 / turn)
+    assert rig.loading.pprv_pressure(4.0) == pytest.approx(69e5)
+    assert rig.loading.pump_mechanical_efficiency(40e5) == pytest.approx(0.85)
+    assert rig.loading.pprv_override == pytest.approx(0.4e5 * 60e3)
+    assert rig.loading.pprv_reference_flow == pytest.approx(20e-3 / 60)
+    assert rig.controller.output_limits == (0, 10)
+    assert rig.sensors['motor_speed'].noise_std == pytest.approx(0.15 * turn / 60)
+    assert rig.sensors['pump_outlet_pressure'].range == (0, 200e5)
+    assert rig.sensors['oil_temperature'].noise_std == 0.1
+    assert rig.characterised_at == pytest.approx(323.15)
+
+
+@pytest.mark.skipif(not DATASHEET.is_file(), reason='the datasheet is not here')
+def test_shipped_rig_is_the_datasheet_number_by_number():
+    sheet = yaml.safe_load(DATASHEET.read_text())
+    assert {key: value for key, value in GOOD.items() if key != 'name'} == sheet
+    assert load_rig(DATASHEET).pump.shaft_speed == default_rig().pump.shaft_speed
+
+
+def test_tables_hold_their_ends_and_are_linear_between():
+    curve, surface = default_rig().loading.pprv_pressure, default_rig().motor.leakage
+    assert curve(-1.0) == pytest.approx(3e5) and curve(99.0) == pytest.approx(200e5)
+    assert curve(3.0) == pytest.approx(48e5)
+    assert surface(-1e5, 0.0) == 0 and surface(999e5, 999.0) == surface.z[-1, -1]
+    middle = surface((surface.x[0] + surface.x[1]) / 2, (surface.y[2] + surface.y[3]) / 2)
+    assert middle == pytest.approx(surface.z[:2, 2:4].mean())
+    both = surface(np.array([25e5, 50e5]), np.array([0.0, 0.0]))
+    np.testing.assert_allclose(both, surface.z[1:3, 0])
+
+
+@pytest.mark.parametrize('path, value, expected', [
+    ('pump.shaft_sped_rpm', 3, "unknown key 'pump.shaft_sped_rpm'; did you mean 'shaft_speed_r"),
+    ('pumpp', {}, "unknown key 'pumpp'; did you mean 'pump'"),
+    ('xyzzy', {}, "unknown key 'xyzzy'; known: pump, motor"),
+    ('pump.shaft_speed_rad_s', 3, "write it as 'shaft_speed_rpm' (value x 9.5493)"),
+    ('line.volume_L', 0.9, "'line.volume_L' has the wrong unit; write it as 'volume_m3' (value x "
+     '0.001)'),
+    ('relief_valve.set_pressure_psi', 3, "write it as 'set_pressure_bar' (value x 0.0689476)"),
+    ('sensors.motor_speed.noise_std_rad_s', 1, "write it as 'noise_std_rpm'"),
+    ('pump.shaft_speed_rpm', MISSING, "key 'pump.shaft_speed_rpm' is missing; add it"),
+    ('motor.leakage_L_min.table', MISSING, "key 'motor.leakage_L_min.table' is missing"),
+    ('sensors.motor_speed', {}, "key 'sensors.motor_speed.noise_std_rpm' is missing"),
+    ('pump.shaft_speed_rpm', 'fast', "'pump.shaft_speed_rpm' is 'fast', expected a number in rpm"),
+    ('pump.shaft_speed_rpm', True, 'is True, expected a number'),
+    ('pump.shaft_speed_rpm', None, 'is empty, expected a number'),
+    ('pump.shaft_speed_rpm', [1], 'is [1], expected a number'),
+    ('pump.shaft_speed_rpm', math.nan, 'is nan rpm, outside the physical range 50 to 20000 rpm'),
+    ('pump.shaft_speed_rpm', -math.inf, 'is -inf rpm, outside the physical range'),
+    ('pump.shaft_speed_rpm', 10**400, 'outside the physical range'),
+    ('line.volume_m3', 0, "'line.volume_m3' is 0 m^3, outside the physical range 1e-07 to 10"),
+    ('motor.mechanical_efficiency.table', [[1.2] * 6] * 11, "table[0][0]' is 1.2, outside"),
+    ('motor.pistons', 7.5, "'motor.pistons' is 7.5, expected a whole number"),
+    ('pump.displacement_vs_command.command_V', [0, 1.2, 1.2, 3, 5, 7, 9, 10],
+     "command_V[2]' is 1.2 after 1.2; expected strictly rising values"),
+    ('pump.displacement_vs_command.displacement_cc_rev', [0, 0, 3, 2, 11, 18, 24, 28],
+     "displacement_cc_rev[3]' is 2 after 3; expected values that do not fall"),
+    ('pump.displacement_vs_command.displacement_cc_rev', [0, 1], 'has 2 values, expected 8'),
+    ('loading.pprv_pressure_vs_command.command_V', [0], 'expected a list of at least 2 numbers'),
+    ('motor.leakage_L_min', 5, "'motor.leakage_L_min' is 5, expected a mapping"),
+    ('motor.leakage_L_min.table', 5, "table' is 5, expected 7 rows"),
+    ('motor.leakage_L_min.table', [[0, 1]], "table' has 1 rows, expected 7 rows: one for each "
+     "value of 'pressure_bar'"),
+    ('motor.leakage_L_min.table', [[0, 1]] * 7, "table[0]' has 2 values, expected 5"),
+    ('motor.leakage_L_min.table', [[0] * 4 + ['x']] * 7, "table[0][4]' is 'x', expected a number"),
+    ('line.oil_grade', 46, "'line.oil_grade' is 46, expected a text"),
+    ('controller.output_limits_V', [10, 0], 'expected low below high'),
+    ('controller.output_limits_V', 5, 'expected [low, high] in V'),
+    ('sensors.motor_sped', {}, "did you mean 'motor_speed'"),
+    ('sensors.pump_outlet_pressure.range_bar', [0, 'a'], "range_bar' is 'a', expected a number"),
+    ('tolerances_1_sigma_relative', {'motor.displacment': 0.1}, "did you mean 'motor.displac"),
+    ('tolerances_1_sigma_relative', {'motor.displacement': 3}, 'is 3, outside'),
+    ('calibration', {'motor.inertia': 0}, "'calibration.motor.inertia' is 0, outside"),
+    ('effects', [1], "'effects' is [1], expected effects by id"),
+    ('effects', {'a': 1}, "'effects.a' is 1, expected parameters"),
+    ('effects', {'a': {'b': '12 quux'}}, "'effects.a.b' is '12 quux', expected a number with its"),
+    ('effects', {'a': {'b': 'nan V'}}, "'effects.a.b' is 'nan V', expected"),
+    ('characterised_at_oil_temperature_degC', 'warm', "is 'warm', expected a number in degC"),
+    ('provenance', 5, "'provenance' is 5, expected a mapping"),
+])
+def test_a_slip_gets_one_line_that_names_file_and_key(path, value, expected):
+    with pytest.raises(InputError) as caught:
+        parse_rig(changed(path, value), 'my_rig.yaml')
+    message = str(caught.value)
+    assert message.startswith('my_rig.yaml: ') and '\n' not in message
+    assert expected in message
+    assert len(message) < 260
+
+
+@pytest.mark.parametrize('content, expected', [
+    (b'', 'is empty; expected a mapping'),
+    (b'# only a remark\n', 'is empty'),
+    (b'- 1\n', 'found list, expected a mapping'),
+    (b'pump', 'found str, expected a mapping'),
+    (bytes(range(256)), 'is not a text file'),
+    (b'pump: [1,\nmotor: 2', 'line 2: expected'),
+    (b'pump:\n\tlag: 1\n', "line 2: found character '\\t'"),
+    (b'pump: {shaft_speed_rpm: 1, shaft_speed_rpm: 2}',
+     "line 1: key 'shaft_speed_rpm' is written twice; keep one"),
+    (b'a: 1\n---\nb: 2\n', 'another document'),
+    (b'a: &a [*a]', 'recursive'),
+    (b'{[a]: 1}', 'a key must be a word'),
+    (b'!!python/object:os.system {}', 'tag'),
+    (b'[' * 3000, 'mend the YAML'),
+    (b'pump: {shaft_speed_rpm: 2001-13-45}', 'mend the YAML'),
+    (b'a: \x00', 'mend the YAML'),
+    (b'name: just a name\n', 'no section of a rig found'),
+])
+def test_a_file_that_is_no_rig(tmp_path, content, expected):
+    path = tmp_path / 'rig.yaml'
+    path.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        load_rig(path)
+    assert str(caught.value).startswith(str(path)) and '\n' not in str(caught.value)
+    assert expected.replace('\\\\', '\\') in str(caught.value)
+
+
+@pytest.mark.parametrize('name, expected', [('', 'Is a directory'), ('none.yaml', 'No such file')])
+def test_a_path_that_is_no_file(tmp_path, name, expected):
+    with pytest.raises(InputError, match=expected):
+        load_rig(tmp_path / name)
+
+
+def test_numbers_may_be_written_as_everybody_writes_them(tmp_path):
+    path = tmp_path / 'rig.yaml'
+    path.write_text(SHIPPED.read_text().replace('area_m2: 1.6e-05', 'area_m2: 16e-6').replace(
+        'bulk_modulus_Pa: 1200000000.0', 'bulk_modulus_Pa: 1.2E9'))
+    rig = load_rig(path)
+    assert rig.relief_valve.area == 1.6e-5 and rig.line.bulk_modulus == 1.2e9
+
+
+def test_a_part_of_a_rig_loads_and_says_what_it_lacks():
+    rig = parse_rig({'name': 'bench', 'motor': GOOD['motor']}, 'bench.yaml')
+    assert rig.motor.displacement > 0 and rig.pump is None
+    rig.require('motor', purpose='nothing')
+    with pytest.raises(InputError) as caught:
+        rig.require('motor', 'pump', purpose='a model of the whole drive')
+    assert str(caught.value) == ("bench.yaml: section 'pump' is missing; a model of the whole "
+                                 'drive needs it; add it to the rig file')
+    with pytest.raises(InputError, match="section 'pump' is missing"):
+        Drive(rig)
+
+
+def test_adopted_effects_and_calibration_reach_the_model():
+    content = changed('effects', {'motor_leakage': {'conductance': '0.01 L/min/bar'}})
+    content['calibration'] = {'motor.inertia': 1.1}
+    rig = parse_rig(content)
+    assert rig.effects == {'motor_leakage': {'conductance': pytest.approx(1e-7 / 60e3)}}
+    drive = Drive(rig)
+    assert drive.effects == rig.effects
+    assert drive.parameters[6] == pytest.approx(1.1 * 0.35)
+
+
+def test_an_oil_that_nobody_knows():
+    with pytest.raises(InputError, match="'line.oil_grade' is 'ISO VG 47'; known: ISO VG 10"):
+        Drive(parse_rig(changed('line.oil_grade', 'ISO VG 47'), 'my_rig.yaml'))
