@@ -11,30 +11,68 @@ from __future__ import annotations
 from functools import lru_cache
 from importlib import import_module
 from importlib.metadata import entry_points
+import math
 import pkgutil
 
-from hst_drive.effects.base import Effect, Parameter, READABLE, Slot, SLOTS
+from hst_drive.effects.base import arguments, Effect, Parameter, READABLE, readable, Slot, SLOTS
 
-__all__ = ['Effect', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue']
+__all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'left_out',
+           'origin', 'readable']
+
+GROUP = 'hst_drive.effects'
+_NOT_EFFECTS = ('base', 'oil')
+
+
+def catalogue() -> dict[str, Effect]:
+    """Return all effects by id, those of this package first."""
+    return _found()[0]
+
+
+def left_out() -> tuple[str, ...]:
+    """Return one line per effect of another package that cannot be used: which, and why."""
+    return _found()[2]
+
+
+def origin(identity: str) -> str:
+    """Return the package that an effect comes from."""
+    return _found()[1][identity]
 
 
 @lru_cache(maxsize=1)
-def catalogue() -> dict[str, Effect]:
-    """
-    Return all effects by id, those of this package first.
-
-    Raises
-    ------
-    ValueError
-        If two effects have one id.
-
-    """
-    found: dict[str, Effect] = {}
+def _found() -> tuple[dict[str, Effect], dict[str, str], tuple[str, ...]]:
     names = sorted(module.name for module in pkgutil.iter_modules(__path__))
-    own = [import_module(f'{__name__}.{name}') for name in names if name not in ('base', 'oil')]
-    foreign = [entry.load() for entry in entry_points(group='hst_drive.effects')]
-    for effect in [module.EFFECT for module in own] + foreign:
-        if effect.id in found:
-            raise ValueError(f"effect '{effect.id}' is declared twice")
-        found[effect.id] = effect
-    return found
+    own = [import_module(f'{__name__}.{name}').EFFECT for name in names
+           if name not in _NOT_EFFECTS]
+    effects = {effect.id: effect for effect in own}
+    origins = dict.fromkeys(effects, 'hst_drive')
+    problems = []
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: (entry.name, entry.value)):
+        package = entry.dist.name if entry.dist else entry.value
+        try:
+            effect = entry.load()
+            _refuse_unusable(effect, effects)
+        except Exception as problem:
+            # Whatever goes wrong in there is not ours, and must not stop the program.
+            reason = ' '.join(str(problem).split()) or type(problem).__name__
+            problems.append(f"effect '{entry.name}' of package '{package}' is left out: {reason}; "
+                            f"correct '{entry.value}' or remove the package")
+            continue
+        effects[effect.id] = effect
+        origins[effect.id] = package
+    return effects, origins, tuple(problems)
+
+
+def _refuse_unusable(effect: object, known: dict[str, Effect]) -> None:
+    """Raise an exception unless a foreign effect fits into the drive."""
+    if not isinstance(effect, Effect):
+        raise TypeError(f'expected an hst_drive.effects.Effect, found {type(effect).__name__}')
+    if effect.id in known:
+        raise ValueError(f"there is an effect '{effect.id}' already")
+    if any(slot == 'shaft_compliance' for slot, _ in effect.terms):
+        raise ValueError("the drive has one flexible shaft: slot 'shaft_compliance' is taken")
+    typical = {parameter.name: parameter.typical for parameter in effect.parameters}
+    for slot, function in effect.terms:
+        value = function(*(typical.get(name, 1.0) for name in arguments(function)))
+        if not math.isfinite(value):
+            raise ValueError(f"its term at the slot '{slot}' is {value} where all that it reads "
+                             'is 1')

@@ -27,8 +27,7 @@ EFFECT = Effect(
     equation='Q = Q_table * ((nu(T)/nu(T_table))^-exponent - 1), pump and hydromotor',
     parameters=(
         Parameter('exponent', '1', 0.0, 3.0, 1.0,
-                  'share of laminar leakage: 1 all laminar, less with orifice-like gaps, more '
-                  'where gaps open with temperature'),
+                  'power of the viscosity: 1 for laminar gaps, less for orifice-like ones'),
     ),
     telltale='Speed and pump flow fall slowly as the oil warms up, most at high pressure, though '
              'no command changes.',

@@ -6,7 +6,7 @@ from __future__ import annotations
 from difflib import get_close_matches
 from typing import Mapping
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, left_out
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.compose import kernel, OUTPUTS, STATES
@@ -65,6 +65,7 @@ class Drive:
         if name not in effects:
             near = get_close_matches(name, effects, n=1)
             hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+            hint = next((line for line in left_out() if f"'{name}'" in line), hint)
             raise InputError(f"{self.rig.source or 'effects'}: unknown effect '{name}'; {hint}")
         known = {parameter.name: parameter for parameter in effects[name].parameters}
         for key in values or {}:
