@@ -13,7 +13,7 @@ from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import ChannelMap, Entry
 from hst_drive.bag.mcap_bag import Stream
 from hst_drive.bag.rosbag2 import read_bag_streams
-from hst_drive.bag.topics import CHANNEL_FIELDS, STANDARD_UNITS, TOPICS
+from hst_drive.bag.topics import CHANNEL_FIELDS, STANDARD_UNITS, TOPICS, TRUTH
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import si_unit
@@ -98,6 +98,9 @@ def _own_picks(streams: Sequence[Stream], channel_map: ChannelMap, source: str,
             if stream not in fitting:
                 notes.append(f'{stream.topic}: is {stream.type}, not {topic.type}; left out')
         fitting = [stream for stream in fitting if stream.data] or fitting[:1]
+        if len(fitting) > 1:
+            fitting = [stream for stream in fitting
+                       if not stream.topic.endswith(f'/{TRUTH}{topic.name}')] or fitting
         if len(fitting) > 1:
             places = ', '.join(stream.topic.rpartition('/')[0] or '/' for stream in fitting)
             raise InputError(

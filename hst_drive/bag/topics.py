@@ -17,6 +17,8 @@ from hst_drive.errors import InputError
 from hst_drive.units import from_si, to_si
 
 NAMESPACE = '/drive'
+TRUTH = 'truth/'
+"""Sub-namespace of the noise-free values, which only a simulated rig can publish."""
 ATMOSPHERE = 101325.0
 """Standard atmosphere, Pa: absolute pressure = gauge pressure + ATMOSPHERE."""
 

@@ -10,11 +10,10 @@ import struct
 
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE, Topic, TOPICS
+from hst_drive.bag.topics import (FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE, Topic, TOPICS,
+                                  TRUTH)
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-TRUTH = 'truth/'
-"""Sub-namespace of the noise-free values that a real rig could not publish."""
 BILLION = 1_000_000_000
 _STAMP = struct.Struct('<iI')
 _STAMP_AT = 4   # behind the encapsulation
@@ -64,7 +63,7 @@ class Layout:
     def fits(self, data: bytes) -> bool:
         """Return whether a message has this layout."""
         return len(data) == self._length and all(
-            [data[start:end] == same for start, end, same in self._fixed])
+            data[start:end] == same for start, end, same in self._fixed)
 
     def read(self, data: bytes) -> list[float]:
         """Return the numbers; NaN for an element that these messages do not have."""

@@ -10,7 +10,7 @@ import sys
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from hst_drive.bag.topics import TOPICS
-from hst_drive.losses.efficiency import (Limits, performance, Performance, predicted,
+from hst_drive.losses.efficiency import (Limits, Performance, performance, predicted,
                                          reason_not_valid)
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile

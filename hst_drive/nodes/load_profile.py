@@ -69,7 +69,8 @@ class LoadProfile(DriveNode):
         self._start = stamp
         if not self.lockstep:
             self._play(stamp)
-            self._timer = self.create_timer(1.0 / self.settings['rate'], lambda: self._play(self.now()))
+            self._timer = self.create_timer(1.0 / self.settings['rate'],
+                                            lambda: self._play(self.now()))
 
     def _clocked(self, message: Clock) -> None:
         stamp = message.clock.sec * BILLION + message.clock.nanosec

@@ -8,14 +8,14 @@ import sys
 import time
 
 from builtin_interfaces.msg import Time
-from hst_drive.bag.topics import TOPICS
+from hst_drive.bag.topics import TOPICS, TRUTH
 from hst_drive.errors import InputError
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.compose import STATES
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
-from hst_drive.nodes.endpoints import BILLION, Output, qos_profile, topic_named, TRUTH
+from hst_drive.nodes.endpoints import BILLION, Output, qos_profile, topic_named
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
@@ -34,8 +34,9 @@ class Plant(DriveNode):
     role = 'plant'
     parameters = (
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
-        Parameter('effects', [], 'hidden effects: id.parameter=value (SI), id.parameter=value[unit] or id'),
-        Parameter('seed', 1, 'seed of the sensors\' noise', low=0, high=2**31 - 1),
+        Parameter('effects', [], 'hidden effects: id.parameter=value (SI), '
+                  'id.parameter=value[unit] or id'),
+        Parameter('seed', 1, "seed of the sensors' noise", low=0, high=2**31 - 1),
         Parameter('start_speed', 0.0, 'start steadily at this speed; 0: start at rest', 'rad/s',
                   0.0, 100.0),
         Parameter('start_pprv_command', 0.0, 'PPRV command of a steady start', 'V', 0.0, 10.0),
@@ -75,6 +76,8 @@ class Plant(DriveNode):
         self._finishing = False
         self._running = False
         self._times = np.array([0.0, self._period / BILLION])
+        # Compiled code is loaded when it is first called: now, not in the first sample.
+        self._drive.advance(self._state, 1e-3, pump_command=0.0, pprv_command=0.0)
 
     def _first_state(self) -> np.ndarray:
         speed = self.settings['start_speed']

@@ -30,13 +30,14 @@ class Recorder(DriveNode):
     """
 
     role = 'recorder'
+    _bag: BagWriter | None = None
     parameters = (
         Parameter('output', '', 'folder to create'),
         Parameter('topics', [], 'full names of topics to record; empty: those of the table that '
                   'the partners publish'),
         Parameter('extra_topics', [], 'readings of the plant that are off by default'),
         Parameter('truth', False, 'record the values without noise as well'),
-        Parameter('notes', [], 'name=value pairs to keep in the bag\'s metadata'),
+        Parameter('notes', [], "name=value pairs to keep in the bag's metadata"),
     )
 
     def configure(self) -> None:
@@ -58,7 +59,7 @@ class Recorder(DriveNode):
         self.gather = GATHER if self.lockstep else 0.0
         self._last_message = time.monotonic()
         notes = dict(note.split('=', 1) for note in settings['notes'] if '=' in note)
-        self._bag: BagWriter | None = BagWriter(settings['output'], custom_data=notes)
+        self._bag = BagWriter(settings['output'], custom_data=notes)
 
     def activate(self) -> None:
         """Begin to look for publishers."""

@@ -1,0 +1,138 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a run consists of: the parameters of its nodes, checked before anything starts."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from hst_drive.errors import InputError
+from hst_drive.load import load_scenario, Scenario
+from hst_drive.model import Drive
+from hst_drive.model.steady import operating_point
+from hst_drive.nodes import wiring
+from hst_drive.nodes.settings import effect_texts, parse_effects
+from hst_drive.rig import default_rig, load_rig, Rig
+
+
+@dataclass(frozen=True)
+class Options:
+    """
+    What a user may choose of a run; None: as the scenario says.
+
+    Attributes
+    ----------
+    scenario : str
+        Name of a shipped scenario, or a file.
+    output : str, optional
+        Folder to record to; by default scenario and time of day.
+    realtime : bool
+        The clock on the wall; else simulated time in lockstep.
+    speed : float
+        In lockstep, simulated per real second; 0: as fast as it goes.
+    rig, log : str, optional
+        Rig file; drilling log in place of the scenario's.
+    effects : tuple of str
+        Hidden in the plant, as ``parse_effects`` reads them.
+    seed : int, optional
+        Of the sensors' noise.
+    duration, rate : float
+        s, samples per second.
+    topics : tuple of str
+        Readings that are off by default and shall be on.
+    truth : bool
+        Record the values without noise as well.
+
+    """
+
+    scenario: str
+    output: str | None = None
+    realtime: bool = False
+    speed: float = 0.0
+    rig: str | None = None
+    log: str | None = None
+    effects: tuple[str, ...] = ()
+    seed: int | None = None
+    duration: float | None = None
+    rate: float = 100.0
+    topics: tuple[str, ...] = ()
+    truth: bool = False
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The nodes' parameters by node, and what the report needs."""
+
+    parameters: Mapping[str, Mapping[str, Any]]
+    output: Path
+    duration: float
+    title: str
+    closed_loop: bool
+    notes: tuple[str, ...]
+
+
+def make_plan(options: Options) -> Plan:
+    """
+    Turn options into the nodes' parameters.
+
+    Raises
+    ------
+    InputError
+        For anything that a node would refuse: nothing is started then.
+
+    """
+    rig = load_rig(options.rig) if options.rig else default_rig()
+    scenario = load_scenario(options.scenario, rig, options.log)
+    duration = scenario.duration if options.duration is None else options.duration
+    seed = scenario.seed if options.seed is None else options.seed
+    for name, value, low, high in (
+            ('--duration', duration, 0.1, 1e6), ('--rate', options.rate, 1.0, 1000.0),
+            ('--speed', options.speed or 1.0, 1e-3, 1e4), ('--seed', seed, 0, 2**31 - 1)):
+        if not low <= value <= high:
+            raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
+    output = Path(options.output
+                  or f'{Path(options.scenario).stem}_{datetime.now():%Y%m%d_%H%M%S}')
+    if output.exists():
+        raise InputError(f'{output}: exists already; bags are not overwritten: choose another '
+                         'name with -o or remove it')
+    effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
+    wiring.readings(options.topics)
+    rig_file = str(Path(options.rig).resolve()) if options.rig else ''
+    source = Path(scenario.source)
+    common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES)}
+    extra = {'extra_topics': list(options.topics) or [''], 'truth': options.truth}
+    start = _start(rig, effects, scenario)
+    law = rig.controller
+    notes = {'scenario': options.scenario, 'seed': seed, 'rig': rig.name,
+             'effects': ' '.join(effect_texts(effects))}
+    parameters = {
+        'plant': {**common, **extra, 'rig': rig_file, 'seed': seed, 'rate': float(options.rate),
+                  'duration': float(duration), 'speed': float(options.speed),
+                  'effects': effect_texts(effects) or [''], 'progress': True,
+                  'start_speed': start[0], 'start_pprv_command': start[1]},
+        'load_profile': {**common, 'scenario': str(source.resolve()), 'rig': rig_file,
+                         'rate': float(options.rate),
+                         'log': str(Path(options.log).resolve()) if options.log else ''},
+        'controller': {**common, 'mode': scenario.mode, 'kp': law.kp, 'ki': law.ki,
+                       'sample_time': law.sample_time, 'u_clamp_min': law.output_limits[0],
+                       'u_clamp_max': law.output_limits[1], 'start_command': start[2]},
+        'estimator': {**common, 'rig': rig_file},
+        'recorder': {**common, **extra, 'output': str(output.resolve()),
+                     'notes': [f'{key}={value}' for key, value in notes.items()]},
+    }
+    return Plan(parameters=parameters, output=output, duration=duration, notes=scenario.notes,
+                title=scenario.title, closed_loop=scenario.mode == 'closed_loop')
+
+
+def _start(rig: Rig, effects, scenario: Scenario) -> tuple[float, float, float]:
+    """Return speed (rad/s), PPRV command and pump command (V; -1: none) to start with."""
+    rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
+                purpose='a run of the nodes')
+    if scenario.start == 'rest':
+        return 0.0, 0.0, -1.0
+    speed, command = scenario.speed_setpoint(0.0), scenario.load.pprv_command(0.0)
+    point = operating_point(Drive(rig, effects), speed, pprv_command=command)
+    return float(speed), float(command), float(point.pump_command)

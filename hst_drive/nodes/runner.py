@@ -1,0 +1,124 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Carrying out a plan: the nodes from start to end, and the figures of the run."""
+from __future__ import annotations
+
+from collections.abc import Callable
+import shutil
+import signal
+import time
+
+from hst_drive.bag import read_log
+from hst_drive.bag.mcap_bag import recover_command
+from hst_drive.errors import InputError
+from hst_drive.measure.run import Run
+from hst_drive.nodes.plan import Plan
+from hst_drive.nodes.session import NodeDied, Session
+import numpy as np
+
+
+class RunFailed(RuntimeError):
+    """A node has died; the text says which, why, and what is left."""
+
+
+def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
+            on_error: Callable[[str, str], None]) -> dict:
+    """
+    Run the nodes until the end, Ctrl-C or a failure; return the figures of the run.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to run.
+    on_progress : callable
+        ``on_progress(simulated s, real s, last call)``, several times a second.
+    on_error : callable
+        ``on_error(node, line)`` for what the nodes say on standard error.
+
+    Raises
+    ------
+    InputError
+        If a node refuses its parameters.
+    RunFailed
+        If a node dies; the bag is closed.
+
+    """
+    signals: list[int] = []
+    progress = {'time': 0.0, 'wall': 0.0, 'messages': 0}
+    before = {number: signal.signal(number, lambda got, _: signals.append(got))
+              for number in (signal.SIGINT, signal.SIGTERM)}
+    died = None
+    try:
+        with Session(plan.parameters, lambda name, line: _hear(progress, name, line),
+                     on_error) as session:
+            try:
+                while not signals and not session.check():
+                    on_progress(progress['time'], progress['wall'], False)
+                    time.sleep(0.05)
+                on_progress(progress['time'], progress['wall'], True)
+            except NodeDied as problem:
+                died = problem
+            session.stop()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if died:
+        _fail(plan, died, progress)
+    return _figures(plan, progress, bool(signals))
+
+
+def _hear(progress: dict, name: str, line: str) -> None:
+    word, *numbers = line.split()
+    if name == 'plant' and word == 'progress':
+        progress['time'], progress['wall'] = map(float, numbers)
+    elif name == 'recorder' and word == 'recorded':
+        progress['messages'] = int(numbers[0])
+
+
+def _fail(plan: Plan, died: NodeDied, progress: dict) -> None:
+    folder, kept = plan.output, ''
+    if folder.is_dir() and not (folder / 'metadata.yaml').is_file():
+        kept = f'; the bag was cut off, save it with: {recover_command(folder)}'
+    elif folder.is_dir() and not progress['messages']:
+        shutil.rmtree(folder)   # made by this very run, and nothing in it
+    elif folder.is_dir():
+        kept = (f"; {folder} holds the first {progress['time']:.1f} s, "
+                f"{progress['messages']} messages")
+    if died.code == 2 and died.lines:
+        raise InputError(died.lines[-1])
+    why = f': {died.reason}' if died.reason else ''
+    raise RunFailed(f'{died}{why}{kept}')
+
+
+def _figures(plan: Plan, progress: dict, interrupted: bool) -> dict:
+    result = {'schema': 'hst_drive/run/1', 'bag': str(plan.output), 'interrupted': interrupted,
+              'seconds': progress['time'], 'messages': progress['messages'],
+              'real_time_factor': progress['time'] / progress['wall'] if progress['wall'] else 0.0,
+              'speed': None}
+    if not progress['messages']:
+        if plan.output.is_dir():
+            shutil.rmtree(plan.output)   # made by this very run, and nothing in it
+        return {**result, 'bag': None}
+    if plan.closed_loop:
+        try:
+            result['speed'] = speed_held(read_log(plan.output))
+        except InputError:
+            pass   # ended so early that there are not two samples
+    return result
+
+
+def speed_held(record: Run) -> dict | None:
+    """Return how well the speed was held, rad/s and s, from when it first came within 2 %."""
+    if 'motor_speed' not in record or 'speed_setpoint' not in record:
+        return None
+    speed, wanted = record['motor_speed'], record['speed_setpoint']
+    near = np.flatnonzero(np.abs(speed - wanted) <= 0.02 * np.abs(wanted))
+    if not near.size:
+        return None
+    time_held, speed = (values[near[0]:] for values in (record.time - record.time[0], speed))
+    error = speed - wanted[near[0]:]
+    worst = int(np.nanargmax(np.abs(error)))
+    return {'unit': 'rad/s', 'from': float(time_held[0]), 'mean': float(np.nanmean(speed)),
+            'mean_error': float(np.nanmean(error)),
+            'rms_error': float(np.sqrt(np.nanmean(error**2))),
+            'worst_error': float(error[worst]), 'worst_at': float(time_held[worst])}

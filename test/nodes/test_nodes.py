@@ -1,0 +1,128 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Single nodes as a user of ROS 2 meets them: parameters, signals, a partner that is missing."""
+import signal
+import subprocess
+import sys
+
+import pytest
+import yaml
+
+from .processes import environment, node, PATIENCE, TREE, wait_for
+
+rclpy = pytest.importorskip('rclpy')
+
+NODES = ('plant', 'controller', 'estimator', 'load_profile', 'recorder')
+
+
+@pytest.fixture(scope='module')
+def client():
+    """Return a node to ask with, and a function that waits for an answer."""
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    asker = rclpy.create_node('asker', context=context)
+    executor = rclpy.executors.SingleThreadedExecutor(context=context)
+    executor.add_node(asker)
+
+    def answer(future):
+        executor.spin_until_future_complete(future, timeout_sec=PATIENCE)
+        assert future.done()
+        return future.result()
+
+    yield asker, answer, executor
+    asker.destroy_node()
+    rclpy.shutdown(context=context)
+
+
+def parameters_of(client, name):
+    """Return a parameter client that has found its node."""
+    from rclpy.parameter_client import AsyncParameterClient
+
+    found = AsyncParameterClient(client[0], f'/drive/{name}')
+    assert found.wait_for_services(timeout_sec=PATIENCE)
+    return found
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_every_parameter_is_described_and_stands_in_the_yaml(client, name, tmp_path):
+    extra = ('-p', f'output:={tmp_path / "bag"}') if name == 'recorder' else ()
+    with node(name, '--params-file', str(TREE / 'config' / 'drive.yaml'), *extra):
+        asked, answer = parameters_of(client, name), client[1]
+        names = [entry for entry in answer(asked.list_parameters()).result.names
+                 if not entry.startswith(('qos_overrides', 'start_type_description'))
+                 and entry != 'use_sim_time']
+        described = answer(asked.describe_parameters(names)).descriptors
+        for entry in described:
+            assert entry.description, entry.name
+            if entry.type in (2, 3):
+                assert entry.integer_range or entry.floating_point_range, entry.name
+            if entry.type == 3:
+                assert '[' in entry.description, entry.name
+    listed = yaml.safe_load((TREE / 'config' / 'drive.yaml').read_text())
+    listed = set(listed[f'/**/{name}']['ros__parameters'])
+    run_only = {'lockstep', 'partners', 'progress', 'notes'}
+    assert listed == set(names) - run_only
+
+
+def test_gains_change_at_run_time_within_their_range_only(client):
+    from rclpy.parameter import Parameter
+
+    with node('controller'):
+        asked, answer = parameters_of(client, 'controller'), client[1]
+
+        def put(name, value):
+            return answer(asked.set_parameters([Parameter(name, value=value)])).results[0]
+
+        assert put('kp', 0.05).successful
+        assert answer(asked.get_parameters(['kp'])).values[0].double_value == 0.05
+        assert not put('kp', -1.0).successful
+        assert not put('kp', 7).successful
+        assert not put('mode', 'open_loop').successful
+
+
+@pytest.mark.parametrize('name, arguments, word', [
+    ('plant', ('-p', 'rate:=0.0'), 'rate'),
+    ('plant', ('-p', 'effects:=[nothing]'), 'nothing'),
+    ('plant', ('-p', 'rig:=nowhere.yaml'), 'nowhere.yaml'),
+    ('plant', ('-p', 'lockstep:=true'), 'partners'),
+    ('controller', ('-p', 'mode:=sideways'), 'sideways'),
+    ('controller', ('-p', 'partners:=[nobody]'), 'nobody'),
+    ('load_profile', ('-p', 'scenario:=nowhere'), 'nowhere'),
+    ('recorder', (), 'output'),
+])
+def test_wrong_parameters_end_a_node_with_one_line(name, arguments, word):
+    done = subprocess.run(
+        [sys.executable, '-m', f'hst_drive.nodes.{name}', '--ros-args', *arguments],
+        env=environment(), timeout=PATIENCE, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert word in done.stderr.strip().splitlines()[-1] and 'Traceback' not in done.stderr
+
+
+def test_the_plant_names_the_partner_that_is_not_there():
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.plant', '--ros-args', '-p', 'lockstep:=true',
+         '-p', 'partners:=[plant,controller]', '-p', 'partner_timeout:=1.0'],
+        env=environment(), timeout=PATIENCE, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert 'no answer from controller' in done.stderr
+
+
+def test_sigterm_ends_a_node_cleanly(client):
+    with node('plant') as process:
+        parameters_of(client, 'plant')
+        process.send_signal(signal.SIGTERM)
+        wait_for(lambda: process.poll() is not None)
+
+
+def test_a_plant_alone_publishes_in_real_time(client):
+    from sensor_msgs.msg import JointState
+
+    got = []
+    heard = client[0].create_subscription(JointState, '/drive/motor', got.append, 1000)
+    with node('plant', '-p', 'rate:=200.0'):
+        while len(got) < 20:
+            client[2].spin_once(timeout_sec=1.0)
+    client[0].destroy_subscription(heard)
+    stamps = [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in got]
+    assert {later - sooner for sooner, later in zip(stamps, stamps[1:])} == {5_000_000}
+    assert got[0].name == ['motor'] and len(got[0].velocity) == len(got[0].effort) == 1
