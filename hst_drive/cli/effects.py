@@ -73,7 +73,7 @@ def _explanation(effect: Effect) -> str:
              ('package', origin(effect.id))]
     for name, text in facts:
         lines += textwrap.wrap(text, _WIDTH, initial_indent=f'{name:11}',
-                               subsequent_indent=' ' * 11)
+                               subsequent_indent=' ' * 11, break_on_hyphens=False)
     rows = [(entry.name, entry.unit, entry.low, entry.high, entry.typical, entry.meaning)
             for entry in effect.parameters]
     return '\n'.join([*lines, '', table(

@@ -51,7 +51,7 @@ def _found() -> tuple[dict[str, Effect], dict[str, str], tuple[str, ...]]:
         try:
             effect = entry.load()
             _refuse_unusable(effect, effects)
-        except Exception as problem:
+        except (Exception, SystemExit) as problem:
             # Whatever goes wrong in there is not ours, and must not stop the program.
             reason = ' '.join(str(problem).split()) or type(problem).__name__
             problems.append(f"effect '{entry.name}' of package '{package}' is left out: {reason}; "
