@@ -29,6 +29,7 @@ BLOCK = 2.0             # s; errors further apart than this count as independent
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 STAMPS = 1e-3           # s: how well time stamps and steps of the load are known
 _START = 3.0            # s within which a drive may still break away from standstill
+_AFTER = 1.0            # s that the ringing after it takes
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 
 
@@ -117,7 +118,7 @@ class Campaign:
             speed = np.nan_to_num(np.abs(replay.run['motor_speed']))
             starting = (time < _START) & (speed < 0.3 * np.median(speed))
             if starting.any():
-                part[:np.flatnonzero(starting)[-1] + 1] = 0
+                part[time <= time[np.flatnonzero(starting)[-1]] + _AFTER] = 0
         return part
 
     def _layout(self) -> list[Column]:
@@ -146,17 +147,21 @@ class Campaign:
             drive.switch_on(name, values)
         return drive
 
-    def signals_of(self, model: Model) -> list[dict[str, np.ndarray]]:
-        """Return what the model gives, log by log, SI."""
-        drive = self.driver(model)
-        return [replay.predict(drive).signals for replay in self.replays]
+    def errors(self, model: Model, *, to_fit: bool = False) -> list[np.ndarray]:
+        """
+        Return the normalised errors of all samples, column by column (``columns``).
 
-    def errors(self, model: Model) -> list[np.ndarray]:
-        """Return the normalised errors of all samples, column by column (``columns``)."""
-        given = self.signals_of(model)
+        With ``to_fit`` logs that are only judged on are not replayed; their errors are zero.
+        """
+        drive = self.driver(model)
+        given = [None if to_fit and not (part > 0).any() else replay.predict(drive).signals
+                 for replay, part in zip(self.replays, self._weights)]
         errors = []
         for column in self.columns:
             measured = self.replays[column.log].run[column.signal]
+            if given[column.log] is None:
+                errors.append(np.zeros(len(measured)))
+                continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
             errors.append(np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3))

@@ -106,7 +106,7 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
             step = -step
         moved = vector.copy()
         moved[k] += step
-        columns[:, place] = (campaign.training(campaign.errors(unknowns.unpack(moved))) - base) \
+        columns[:, place] = (campaign.training(campaign.errors(unknowns.unpack(moved), to_fit=True)) - base) \
             / step
     return columns
 
@@ -132,7 +132,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     """
     unknowns = Unknowns(campaign, start)
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
-    errors = campaign.errors(unknowns.unpack(vector))
+    errors = campaign.errors(unknowns.unpack(vector), to_fit=True)
     cost = cost_of(campaign, unknowns, vector, errors)
     count = len(vector)
     free = list(range(unknowns.factors, count))
@@ -146,7 +146,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         step_taken = False
         for _ in range(3):
             trial = _step(campaign, unknowns, vector, errors, jacobian, damping)
-            trial_errors = campaign.errors(unknowns.unpack(trial))
+            trial_errors = campaign.errors(unknowns.unpack(trial), to_fit=True)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors)
             if trial_cost < cost:
                 gain = cost - trial_cost
@@ -157,9 +157,22 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
             damping = max(damping * 100, 1e-3)
         if not step_taken or gain < 1e-3 * cost + 0.5:
             break
+        if _promise(campaign, unknowns, vector, errors, jacobian) < 1e-3 * cost + 0.5:
+            break
     if refresh:
         jacobian = differences(campaign, unknowns, vector, errors, range(count))
-    return Fit(unknowns.unpack(vector), errors, cost, unknowns.names, jacobian)
+    model = unknowns.unpack(vector)
+    return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
+
+
+def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
+             errors: Sequence[np.ndarray], jacobian: np.ndarray) -> float:
+    """Return by how much one more step would lower the cost if the problem were linear."""
+    move = _step(campaign, unknowns, vector, errors, jacobian, 1e-6) - vector
+    residual = campaign.training(errors)
+    prior = vector[:unknowns.factors]
+    after, prior_after = residual + jacobian @ move, prior + move[:unknowns.factors]
+    return float(residual @ residual + prior @ prior - after @ after - prior_after @ prior_after)
 
 
 def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,

@@ -21,6 +21,7 @@ PRACTICAL = 0.10        # share of the held-out squared error that an effect mus
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.08
 CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
+EVENTS = 0.07           # share of the blocks that single events may spoil
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
 
 
@@ -86,7 +87,19 @@ def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float]) -> dict[str, float]:
-    """Return the signals whose held-out noise ratio is above what counts as explained."""
-    ratios = campaign.ratios(model.errors, True)
-    return {name: ratio for name, ratio in ratios.items()
-            if ratio**2 > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2}
+    """
+    Return the signals whose held-out noise ratio is above what counts as explained.
+
+    The worst blocks are left out: an error confined to a few seconds is an event, not physics
+    that the model lacks.
+    """
+    left = {}
+    for name, squares in campaign.blocks(model.errors).items():
+        squares = np.sort(squares[np.isfinite(squares)])
+        kept = squares[:len(squares) - int(np.ceil(EVENTS * len(squares)))]
+        if not len(kept):
+            continue
+        power = float(kept.mean())
+        if power > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2:
+            left[name] = float(np.sqrt(power))
+    return left

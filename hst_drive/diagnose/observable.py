@@ -13,7 +13,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from hst_drive.diagnose.campaign import Campaign, typical
+from hst_drive.diagnose.campaign import BLOCK, Campaign, typical
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.effects import catalogue
@@ -71,7 +71,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         move = campaign.training(campaign.errors(model)) - start
         left = move - factors @ np.linalg.solve(normal, factors.T @ move)
         smallest = abs(size.typical) * np.sqrt(min(
-            _needed(start[place], left[place]) for place in places))
+            _needed(left[place] / thin, blocks) for place, thin, blocks in places))
         limit = max(abs(size.low), abs(size.high))
         reason = '' if smallest <= limit else \
             'these logs do not exercise it beyond what the unit may differ'
@@ -79,23 +79,25 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     return found
 
 
-def _places(campaign: Campaign) -> list[np.ndarray]:
-    """Return where each signal lies in the training vector."""
+def _places(campaign: Campaign) -> list[tuple[np.ndarray, float, int]]:
+    """Return, by signal, its rows in the training vector, their weight, and how many blocks."""
     places: dict[str, list[np.ndarray]] = {}
+    thin: dict[str, float] = {}
     start = 0
     for column in campaign.columns:
         places.setdefault(column.signal, []).append(np.arange(start, start + len(column.fit)))
+        thin[column.signal] = campaign.thinning(column)
         start += len(column.fit)
-    return [np.concatenate(parts) for parts in places.values()]
+    found = []
+    for name, parts in places.items():
+        rows = np.concatenate(parts)
+        seconds = len(rows) * campaign.replays[0].run.sample_time
+        found.append((rows, thin[name], int(seconds / BLOCK)))
+    return found
 
 
-def _needed(error: np.ndarray, move: np.ndarray) -> float:
+def _needed(move: np.ndarray, blocks: int) -> float:
     """Return the squared factor on ``move`` at which it would be worth naming."""
     power = float(np.mean(move**2))
-    if power <= 0:
-        return np.inf
-    noise = float(np.mean(error**2))
-    size = max(len(error) // 200, 1)
-    blocks = [block.mean() for block in np.array_split(error**2, max(len(error) // size, 2))]
-    scatter = float(np.std(blocks) / np.sqrt(len(blocks)))
-    return max(PRACTICAL * noise, SIGNIFICANT * scatter) / power
+    # Mean squares of blocks scatter by about their own size where errors are correlated.
+    return max(PRACTICAL, SIGNIFICANT * 0.7 / np.sqrt(max(blocks, 1))) / power if power else np.inf

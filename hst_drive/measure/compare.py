@@ -6,8 +6,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, Sequence
 
-import numpy as np
-
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.errors import ErrorSummary, summarise
@@ -15,6 +13,7 @@ from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
+import numpy as np
 
 
 class LogComparison(NamedTuple):
@@ -108,7 +107,7 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
 
 
 def _command_floor(drive: Drive, floor: dict[str, float]) -> float:
-    """What speed noise does to the command through the PI law, V."""
+    """Return what speed noise does to the command through the PI law, V."""
     controller = drive.rig.controller
     return max(controller.kp * floor.get('motor_speed', 0.0), 0.01)
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import cholesky_banded, cho_solve_banded, solve_banded
+from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
 _BLOCK = 50
 
@@ -60,9 +60,9 @@ class Coloured(NamedTuple):
 
 def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Coloured:
     """
-    Fit a coloured disturbance to a residual by its structure function.
+    Fit a coloured disturbance in white noise to a residual by its structure function.
 
-    The squared increments over lags of 0.03 to 1 s, as medians over blocks, grow as
+    The squared increments over lags of one sample to 1 s, as medians over blocks, grow as
     ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``.
 
     Parameters
@@ -70,30 +70,33 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     time, values : ndarray, shape (n,)
         s and any unit.
     noise : float
-        Standard deviation of the white noise.
+        Upper limit for the standard deviation of the white noise.
 
     """
     step = float(np.median(np.diff(time)))
-    lags = np.unique(np.maximum(np.round(np.geomspace(max(0.03, step), 1.0, 12) / step),
-                                1).astype(int))
+    lags = np.unique(np.maximum(np.round(np.geomspace(step, 1.0, 20) / step), 1).astype(int))
     lags = lags[lags < len(values) // 8]
     if len(lags) < 3:
         return Coloured(0.0, 0.3, noise)
-    growth = []
+    growth, size = [], max(100, round(1.0 / step))
     for lag in lags:
         squares = (values[lag:] - values[:-lag])**2
         squares = squares[np.isfinite(squares)]
-        blocks = np.array_split(squares, max(len(squares) // 100, 1))
+        blocks = np.array_split(squares, max(len(squares) // size, 1))
         growth.append(np.median([block.mean() for block in blocks]) if len(squares) else 0.0)
-    excess = np.maximum(0.5 * np.array(growth) - noise**2, 0.0)
-    best = Coloured(0.0, 0.3, noise)
-    error = np.inf
+    half = 0.5 * np.array(growth)
+    weights = 1 / np.maximum(half, 1e-2 * half.max() + 1e-300)
+    best, error = Coloured(0.0, 0.3, noise), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
         shape = 1 - np.exp(-lags * step / constant)
-        variance = max(float(shape @ excess / (shape @ shape)), 0.0)
-        misfit = float(np.sum((excess - variance * shape)**2))
+        columns = np.column_stack([np.ones(len(lags)), shape]) * weights[:, None]
+        white, variance = np.linalg.lstsq(columns, half * weights, rcond=None)[0]
+        white = min(max(float(white), 0.0), noise**2)
+        rest = (half - white) * weights
+        variance = max(float(columns[:, 1] @ rest / (columns[:, 1] @ columns[:, 1])), 0.0)
+        misfit = float(np.sum((rest - variance * columns[:, 1])**2))
         if misfit < error:
-            best, error = Coloured(np.sqrt(variance), constant, noise), misfit
+            best, error = Coloured(np.sqrt(variance), constant, np.sqrt(white)), misfit
     return best
 
 
@@ -125,6 +128,8 @@ class Smoother:
         if valid is not None:
             weight = np.where(valid, weight, 0.0)
         self._weight = weight
+        # A straight line between samples misses a bridge; its mean has this deviation.
+        self._bridge = np.sqrt(np.append(innovation, innovation[-1]) / 12.0)
         self._negligible = coloured.std <= 1e-6
         self._factor = cholesky_banded(
             np.array([np.concatenate([[0.0], -decay / innovation]), diagonal + weight]))
@@ -140,4 +145,6 @@ class Smoother:
         """Return one draw of what the estimate misses, shape (n,)."""
         if self._negligible:
             return np.zeros(len(self._weight))
-        return solve_banded((0, 1), self._factor, random.standard_normal(len(self._weight)))
+        n = len(self._weight)
+        at_samples = solve_banded((0, 1), self._factor, random.standard_normal(n))
+        return at_samples + self._bridge * random.standard_normal(n)

@@ -12,13 +12,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from scipy.ndimage import gaussian_filter1d, uniform_filter1d
-
 from hst_drive.errors import InputError
 from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
+import numpy as np
+from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
 SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow', 'case_drain_flow',
@@ -81,24 +80,75 @@ class Replay:
         # The oil's temperature is slow: its sensor's noise is not part of the motion.
         width = max(1.0 / run.sample_time, 1.0)
         self.inputs['oil_temperature'] = gaussian_filter1d(_filled(temperature), width)
-        self.noise = {name: self._signal_noise(name, drive) for name in self.signals}
+        self.noise = {name: self._signal_noise(name, run[name], drive) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
-        self.can_correct = self.torque is not None and 'motor_speed' in run
+        self.can_correct = False
         self.roughness = Coloured(0.0, 0.3, 0.0)
-        if self.can_correct:
-            self._speed = _filled(run['motor_speed'])
+        if self.torque:
             self._measured = _filled(run[self.torque])
-            self._valid = np.isfinite(run[self.torque])
-            rest = self._unexplained(drive)
-            noise = self.noise[self.torque]
-            self.roughness = estimate_coloured(time, rest - self._slow(rest), noise)
-            self._smoother = Smoother(time, self.roughness, self._valid)
+            if 'motor_speed' in run or 'motor_inlet_flow' in run:
+                self._speed = self._measured_speed(drive)
+                self._correct(drive)
+            else:
+                # The load hardly depends on speed: two rounds with the model's own will do.
+                for _ in range(2):
+                    self._speed = self._modelled_speed(drive)
+                    self._correct(drive)
+        self._refine_noise(drive)
 
-    def _signal_noise(self, name: str, drive: Drive) -> float:
-        noise = noise_std(self.run[name])
+    def _correct(self, drive: Drive) -> None:
+        """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
+        rest = self._unexplained(drive)
+        name = self.torque
+        noise = min(self._signal_noise(name, self.run[name], drive),
+                    self._signal_noise(name, rest, drive))
+        self.roughness = estimate_coloured(self.run.time, rest - self._slow(rest), noise)
+        self.noise[name] = max(self.roughness.noise_std, self._step(name, drive))
+        self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
+        self.can_correct = True
+
+    def _measured_speed(self, drive: Drive) -> np.ndarray:
+        """Return the speed (rad/s), from the flow meter if need be."""
+        if 'motor_speed' in self.run:
+            return _filled(self.run['motor_speed'])
+        motor, flow = drive.rig.motor, _filled(self.run['motor_inlet_flow'])
+        pressure = np.maximum(self._measured, 0.0) / motor.displacement
+        return (flow - motor.leakage(pressure, np.abs(flow) / motor.displacement)
+                ) / motor.displacement
+
+    def _modelled_speed(self, drive: Drive) -> np.ndarray:
+        inputs = {**self.inputs, 'load_disturbance': self.disturbance(drive)}
+        return drive.simulate(self.run.time, inputs, self.start(drive))['motor_speed']
+
+    def _refine_noise(self, drive: Drive) -> None:
+        """
+        Let the model take the motion away that a slow record cannot tell from noise.
+
+        Below four samples in a period of the hydraulic resonance that is not enough, since its
+        ringing to the load is not in the model: then the sensor has no more noise than stated.
+        """
+        motor, line = drive.rig.motor, drive.rig.line
+        resonance = motor.displacement * np.sqrt(
+            line.bulk_modulus / (line.volume * motor.inertia))
+        slow = self.run.sample_time > 0.5 * np.pi / resonance
+        model = self.predict(drive).signals
+        for name in self.signals:
+            if name != self.torque:
+                rest = self.run[name] - model[name]
+                self.noise[name] = min(self.noise[name], self._signal_noise(name, rest, drive))
+                sensor = drive.rig.sensors.get(name)
+                if slow and sensor and sensor.noise_std > 0:
+                    stated = np.hypot(sensor.noise_std, self._step(name, drive))
+                    self.noise[name] = min(self.noise[name], stated)
+
+    @staticmethod
+    def _step(name: str, drive: Drive) -> float:
+        """Return the deviation that the sensor's resolution alone makes."""
         sensor = drive.rig.sensors.get(name)
-        step = sensor.resolution if sensor else 0.0
-        return max(noise, step / np.sqrt(12.0), 1e-12)
+        return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
+
+    def _signal_noise(self, name: str, values: np.ndarray, drive: Drive) -> float:
+        return max(noise_std(values), self._step(name, drive))
 
     def _unexplained(self, drive: Drive) -> np.ndarray:
         model = drive.load_torque(self.run.time, self.inputs['pprv_command'], self._speed,
@@ -121,26 +171,47 @@ class Replay:
         return slow + self._smoother(rest - slow)
 
     def start(self, drive: Drive) -> np.ndarray:
-        """Return the state at the first sample, as far as the signals tell it."""
-        run = self.run
-        first = {name: float(_filled(run[name])[0]) for name in self.signals}
-        speed = first.get('motor_speed', 0.0)
-        pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
-        state = drive.initial_state(
-            pump_command=self.inputs['pump_command'][0],
-            pprv_command=self.inputs['pprv_command'][0], pressure=pressure, speed=speed)
+        """
+        Return the state at the first sample, as far as the signals tell it.
+
+        What they do not tell is taken as settled: the speed that the first command gives, the
+        pressure that the load needs.
+        """
+        first = {name: float(_filled(self.run[name])[0]) for name in self.signals}
+        commands = {name: self.inputs[name][0] for name in INPUTS}
+        state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
         motor, pump = drive.rig.motor, drive.rig.pump
+        for _ in range(3):
+            leak = motor.leakage(state[1], abs(state[2]))
+            pump_leak = pump.leakage(state[1], commands['pump_command'])
+            if 'motor_inlet_flow' in first:
+                flow = first['motor_inlet_flow']
+            else:
+                flow = state[0] * pump.shaft_speed - pump_leak
+            if 'motor_speed' not in first:
+                state[2] = max(flow - leak, 0.0) / motor.displacement
+            pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
+            if pressure is None:
+                pressure = self._first_torque(drive, first, state[2]) / (
+                    motor.displacement * motor.mechanical_efficiency(state[1], abs(state[2])))
+            state[1] = pressure
         if 'pump_displacement' in first:
             state[0] = first['pump_displacement']
-        elif 'motor_speed' in first:
-            command = self.inputs['pump_command'][0]
-            flow = motor.displacement * abs(speed) + motor.leakage(state[1], abs(speed))
-            if abs(speed) < 0.2:
-                flow = 0.0
-            else:
-                flow += pump.leakage(state[1], command)
-            state[0] = np.clip(flow / pump.shaft_speed, 0.0, pump.max_displacement)
+        elif 'motor_speed' in first or 'motor_inlet_flow' in first:
+            flow = motor.displacement * abs(state[2]) + leak + pump_leak
+            state[0] = np.clip(flow / pump.shaft_speed if abs(state[2]) > 0.2 else 0.0, 0.0,
+                               pump.max_displacement)
+        state[5] = state[7] = state[2]
+        # A plate with play rests where the flow says, not where the command says.
+        state[8] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
         return state
+
+    def _first_torque(self, drive: Drive, first: dict[str, float], speed: float) -> float:
+        if self.torque:
+            return max(first[self.torque], 0.0)
+        model = drive.load_torque(*(np.full(2, value) for value in (
+            0.0, self.inputs['pprv_command'][0], speed, self.inputs['oil_temperature'][0])))
+        return max(float(model[0]), 0.0)
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None) -> Prediction:
         """

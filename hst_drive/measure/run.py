@@ -6,9 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-
 from hst_drive.units import si_unit
+import numpy as np
 
 
 class Channel(NamedTuple):

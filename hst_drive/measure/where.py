@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence
 
+from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-
-from hst_drive.measure.run import CHANNELS, Run
 
 _BINS = 8
 _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',

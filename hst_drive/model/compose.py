@@ -33,9 +33,10 @@ CONSTANTS = {
     'CAVITATION_PRESSURE': -0.9e5,    # Pa gauge
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
+    'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance
     'SHAFT_LOAD_SIDE_SHARE': 0.35,    # of the inertia lies behind a flexible shaft
     'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
-    'SHAFT_RIGID': 1.2e-6,            # s^2, compliance times inertia: less is rigid, and stiff
+    'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }
 OUTPUTS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque',

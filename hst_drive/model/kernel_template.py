@@ -129,10 +129,8 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
     line_drop = 0.0
     # slot line_drop
-    if line_drop != 0.0:
-        pressure = pump_pressure - line_drop
-        motor_leakage = p[P_motor_leakage_scale] * interpolate2(
-            pressure, speed, T_MOTOR_LEAKAGE, values, layout)
+    # The pressure state stands for the whole line: part of the loss lies before its middle.
+    pressure = pump_pressure - LINE_UPSTREAM_SHARE * line_drop
     motor_flow_loss = 0.0
     # slot motor_flow_loss
     motor_leakage_total = motor_leakage + motor_flow_loss
@@ -179,7 +177,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         shaft_torque = (twist + SHAFT_DAMPING_TIME * (motor_speed - load_speed)) / max(
             shaft_compliance, SHAFT_RIGID / p[P_inertia])
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
-            motor_leakage_total, compliance, shaft_torque, relief_flow)
+            motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop)
 
 
 def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
@@ -187,7 +185,7 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
                 viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, values, layout):
     """Return the time derivatives of the eight states."""
     (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-     shaft_torque, relief_flow) = balances(
+     shaft_torque, relief_flow, line_drop) = balances(
         displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
         pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values,
         layout)
@@ -265,12 +263,12 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             pprv_command, T_PPRV_PRESSURE, values, layout)
 
         (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-         shaft_torque, relief_flow) = balances(
+         shaft_torque, relief_flow, line_drop) = balances(
             displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
             twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
             p, on, values, layout)
         load_torque = shaft_torque
-        pressure_reading = pump_pressure
+        pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
         # slot pressure_reading
         flow_reading = flow
         # slot flow_reading
