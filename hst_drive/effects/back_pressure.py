@@ -16,7 +16,7 @@ EFFECT = Effect(
     function=outlet,
     equation='T = eta * (P - outlet_pressure) * D_m',
     parameters=(
-        Parameter('outlet_pressure', 'Pa', 0.0, 6000000.0, 400000.0,
+        Parameter('outlet_pressure', 'Pa', 0.0, 6e6, 4e5,
                   'gauge pressure at the hydromotor outlet'),
     ),
     telltale='Pressure is too high by the same amount at every speed and load.',

@@ -20,9 +20,9 @@ EFFECT = Effect(
     function=drop,
     equation='dP = laminar*Q + turbulent*Q*|Q|',
     parameters=(
-        Parameter('laminar', 'Pa.s/m^3', 0.0, 20000000000.0, 360000000.0,
+        Parameter('laminar', 'Pa.s/m^3', 0.0, 2e10, 3.6e8,
                   'resistance of the straight hose (Hagen-Poiseuille)'),
-        Parameter('turbulent', 'Pa.s^2/m^6', 0.0, 200000000000000.0, 2900000000000.0,
+        Parameter('turbulent', 'Pa.s^2/m^6', 0.0, 2e14, 2.9e12,
                   'resistance of bends and couplings'),
     ),
     telltale='Pump pressure is too high by an amount that grows with flow, whatever the load; a '

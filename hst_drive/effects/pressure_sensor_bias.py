@@ -16,7 +16,7 @@ EFFECT = Effect(
     function=error,
     equation='reading = P + bias',
     parameters=(
-        Parameter('bias', 'Pa', -3000000.0, 3000000.0, 200000.0,
+        Parameter('bias', 'Pa', -3e6, 3e6, 2e5,
                   'reading minus true pump outlet pressure'),
     ),
     telltale='The pressure reading is off by the same amount always, at standstill as well.',
