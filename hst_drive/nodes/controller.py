@@ -59,7 +59,8 @@ class Controller(DriveNode):
         self._last: int | None = None
         self._command = self._law.command
         self._reading: tuple[int, float] | None = None
-        self._setpoint: tuple[int, float] | None = None
+        self._setpoint: float | None = None
+        self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
         self.add_on_set_parameters_callback(self._change)
 
     def activate(self) -> None:
@@ -83,15 +84,20 @@ class Controller(DriveNode):
         self._reading = (stamp, values[1])
         if not self.lockstep:
             self._answer(self.now())
-        elif self._setpoint and self._setpoint[0] == stamp:
+        elif stamp in self._setpoints:
+            self._setpoint = self._setpoints.pop(stamp)
             self._answer(stamp)
 
     def _wants(self, name: str, stamp: int, value: float) -> None:
         if name != self._wanted:
             return
-        self._setpoint = (stamp, value)
-        if self.lockstep and self._reading and self._reading[0] == stamp:
+        if not self.lockstep:
+            self._setpoint = value
+        elif self._reading and self._reading[0] == stamp:
+            self._setpoint = value
             self._answer(stamp)
+        else:
+            self._setpoints[stamp] = value
 
     def _answer(self, stamp: int) -> None:
         read_at, speed = self._reading
@@ -101,10 +107,10 @@ class Controller(DriveNode):
             if self._setpoint is None:
                 self._command = self._law.u_clamp_min
             elif self._manual:
-                self._command = min(max(self._setpoint[1], self._law.u_clamp_min),
+                self._command = min(max(self._setpoint, self._law.u_clamp_min),
                                     self._law.u_clamp_max)
             else:
-                self._command = self._law.update(self._setpoint[1], speed)
+                self._command = self._law.update(self._setpoint, speed)
         self.outputs['pump_command'].publish(stamp, self._command)
         if self.lockstep:
             self.answers.done(stamp)

@@ -46,7 +46,7 @@ class LoadProfile(DriveNode):
         """Open the endpoints."""
         self.publish_to('pprv_command', 'speed_setpoint', 'oil_temperature_command',
                         'manual_pump_command')
-        if self.lockstep:
+        if self.lockstep and not self.settings['lookahead']:
             topic = TOPICS['/clock']
             self._clock = self.create_subscription(
                 Clock, topic.name, self._clocked, qos_profile(topic.qos, 2 * sync.INTERVAL))
@@ -62,6 +62,9 @@ class LoadProfile(DriveNode):
         super().said(name, word, stamp, counts)
         if word == sync.START and self._start is None:
             self._begin(stamp)
+            self._plan = (counts['period'], counts['steps']) if self.lockstep else None
+        if self.lockstep and self.settings['lookahead'] and word in (sync.START, sync.ASK):
+            self._play_ahead(stamp)
         elif word == sync.LAST and self._timer is not None:
             self._timer.cancel()
 
@@ -78,6 +81,14 @@ class LoadProfile(DriveNode):
         self._start = sync.SIMULATED_START
         self._play(stamp)
         self.answers.done(stamp)
+
+    def _play_ahead(self, asked: int) -> None:
+        period, steps = self._plan
+        end = (asked - self._start) // period + sync.LOOKAHEAD
+        for step in range(self._count, min(end, steps) if steps else end):
+            stamp = self._start + step * period
+            self._play(stamp)
+            self.answers.done(stamp)
 
     def _play(self, stamp: int) -> None:
         scenario, t = self._scenario, (stamp - self._start) / BILLION

@@ -62,5 +62,6 @@ COMMON = (
     Parameter('lockstep', False, 'simulated time: the nodes wait for each other in every step'),
     Parameter('partners', [], 'nodes that this run consists of; the plant starts when all are '
               'connected and, in lockstep, waits for them'),
+    Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock'),
 )
 """Parameters that every node has."""

@@ -102,7 +102,8 @@ def make_plan(options: Options) -> Plan:
     wiring.readings(options.topics)
     rig_file = str(Path(options.rig).resolve()) if options.rig else ''
     source = Path(scenario.source)
-    common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES)}
+    common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES),
+              'lookahead': not options.realtime and not options.speed}
     extra = {'extra_topics': list(options.topics) or [''], 'truth': options.truth}
     start = _start(rig, effects, scenario)
     law = rig.controller

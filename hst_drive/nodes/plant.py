@@ -70,6 +70,7 @@ class Plant(DriveNode):
             raise InputError('plant: parameter lockstep needs controller or load_profile among '
                              'the partners')
         self._pending: set[str] = set()
+        self._early: dict[tuple[str, int], float] = {}
         self._unready = {name for name in self.partners if name != self.role}
         self._unanswered: set[str] = set()
         self._asked = -1
@@ -113,7 +114,8 @@ class Plant(DriveNode):
     def not_connected(self) -> list[str]:
         """Return the topics on which a partner is missing; load_profile reads the clock."""
         missing = super().not_connected()
-        if self.lockstep and 'load_profile' in self.partners and (
+        reads_clock = 'load_profile' in self.partners and not self.settings['lookahead']
+        if self.lockstep and reads_clock and (
                 self._clock_publisher.get_subscription_count() < 1):
             missing.append('/clock')
         return missing
@@ -143,7 +145,8 @@ class Plant(DriveNode):
         self._began = self._told = time.monotonic()
         if self.lockstep:
             self._start = sync.SIMULATED_START
-            self.sync.say(sync.START, self._start)
+            self.sync.say(sync.START, self._start, {
+                'period': self._period, 'steps': self._steps or 0})
             self._next_step()
         else:
             self._start = self.now()
@@ -155,15 +158,23 @@ class Plant(DriveNode):
         return self._start + self._step * self._period
 
     def _commanded(self, name: str, stamp: int, value: float) -> None:
+        if not self.lockstep:
+            self._set(name, value)
+            return
+        self._heard = time.monotonic()
+        if name not in self._pending or stamp != self._stamp():
+            self._early[name, stamp] = value
+            return
+        self._set(name, value)
+        self._pending.discard(name)
+        if name == 'pump_command':
+            self._next_step()
+        elif self._pending <= {'pump_command'}:
+            self._sample()
+
+    def _set(self, name: str, value: float) -> None:
         if math.isfinite(value):
             self._inputs[_INPUTS[name]] = value
-        if self.lockstep and self._running and stamp == self._stamp():
-            self._heard = time.monotonic()
-            self._pending.discard(name)
-            if name == 'pump_command':
-                self._next_step()
-            elif self._pending <= {'pump_command'}:
-                self._sample()
 
     def _next_step(self) -> None:
         """Go one step on in lockstep, unless a partner is too far behind."""
@@ -185,6 +196,9 @@ class Plant(DriveNode):
                          if topic.topic.publisher in self.partners
                          and (name != 'oil_temperature_command' or self._step % sync.SLOW == 0)}
         self._clock_publisher.publish(self._clock_message)
+        for name in [name for name in self._pending if (name, stamp) in self._early]:
+            self._set(name, self._early.pop((name, stamp)))
+            self._pending.discard(name)
         if self._pending <= {'pump_command'}:
             self._sample()
 

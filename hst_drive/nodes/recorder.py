@@ -52,6 +52,9 @@ class Recorder(DriveNode):
         self._order = {name: place for place, name in enumerate(names)}
         self._subscriptions_by_name: dict[str, object] = {}
         self._received = dict.fromkeys(names, 0)
+        self._measured = {self.resolve_topic_name(topic_named(name).name) for name in self.taken
+                          if topic_named(name).publisher == 'plant'}
+        self._reached = 0
         self._buffer: list[tuple[int, int, str, bytes]] = []
         self._expected: dict[int, dict[str, int]] = {}
         self._told: dict[int, set[str]] = {}
@@ -91,7 +94,8 @@ class Recorder(DriveNode):
         """Write what is left and close the bag."""
         if self._bag is None:
             return
-        self._write(math.inf)
+        # In lockstep, commands may be there for steps that never came.
+        self._write(self._reached if self.lockstep else math.inf)
         bag, self._bag = self._bag, None
         bag.close()
         print(f'recorded {bag.message_count}', flush=True)
@@ -131,6 +135,8 @@ class Recorder(DriveNode):
             self._bag.write(name, data, self.now(), stamp)
             return
         self._received[name] += 1
+        if name in self._measured:
+            self._reached = max(self._reached, stamp)
         self._buffer.append((stamp, self._order[name], name, data))
         self._complete()
 
