@@ -74,7 +74,12 @@ def write_json(data: object, target: str | os.PathLike) -> None:
         When the file cannot be written.
 
     """
-    text = json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False) + '\n'
+    write_text(json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False) + '\n',
+               target)
+
+
+def write_text(text: str, target: str | os.PathLike) -> None:
+    """Write a text file, whole or not at all; '-' is standard output."""
     if os.fspath(target) == '-':
         sys.stdout.write(text)
         return

@@ -29,7 +29,8 @@ BLOCK = 2.0             # s; errors further apart than this count as independent
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 STAMPS = 1e-3           # s: how well time stamps and steps of the load are known
 _START = 3.0            # s within which a drive may still break away from standstill
-_AFTER = 1.0            # s that the ringing after it takes
+_CAVITATING = 0.3e5     # Pa gauge
+_AFTER = 1.0            # s that the ringing after either takes
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 
 
@@ -113,6 +114,12 @@ class Campaign:
             if block[-1] < 2:
                 part = np.where(time < 0.67 * time[-1], 1, -1)
         part[time < SETTLE] = 0
+        pressure = replay.run.channels.get('pump_outlet_pressure')
+        if pressure is not None:
+            # Where the inlet cavitates, oil comes and goes that no balance counts.
+            index = np.arange(len(time))
+            last = np.maximum.accumulate(np.where(pressure < _CAVITATING, index, -1))
+            part[(last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)] = 0
         if 'motor_speed' in replay.run:
             # Breaking away from standstill hangs on fractions of a volt and a newton metre.
             speed = np.nan_to_num(np.abs(replay.run['motor_speed']))

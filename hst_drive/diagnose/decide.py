@@ -78,7 +78,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         calibration=_calibration(campaign, best.fit), unknown=remaining,
         next_test=_next_test(effects) if ambiguous else None,
         rivals=_why_lost(search, best, rivals), rig=rig.source or rig.name,
-        logs=tuple(run.source for run in (*runs, *holdout)))
+        rig_digest=rig.digest, logs=tuple(run.source for run in (*runs, *holdout)))
 
 
 def _unit(effect: str, key: str) -> str:

@@ -12,9 +12,10 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from hst_drive.diagnose.campaign import BLOCK, Campaign, typical
-from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.effects import catalogue
 
@@ -58,6 +59,9 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     start = campaign.training(base.errors)
     factors = base.jacobian[:, :len(campaign.tolerances)]
     normal = factors.T @ factors + np.eye(factors.shape[1])
+    held = np.array([base.model.factors[key] / value
+                     for key, value in campaign.tolerances.items()])
+    room = (-SIGMAS - held - 1e-6, SIGMAS - held + 1e-6)
     places = _places(campaign)
     found = []
     for name in names:
@@ -68,15 +72,33 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
             continue
         size = effect.parameters[0]
         model = base.model.with_effect(name, typical(name))
-        move = campaign.training(campaign.errors(model)) - start
-        left = move - factors @ np.linalg.solve(normal, factors.T @ move)
-        smallest = abs(size.typical) * np.sqrt(min(
-            _needed(left[place] / thin, blocks) for place, thin, blocks in places))
+        move = campaign.training(campaign.errors(model, to_fit=True)) - start
+        smallest = abs(size.typical) * _smallest(move, factors, normal, room, places)
         limit = max(abs(size.low), abs(size.high))
         reason = '' if smallest <= limit else \
             'these logs do not exercise it beyond what the unit may differ'
         found.append(Visibility(name, float(smallest), reason))
     return found
+
+
+def _smallest(move: np.ndarray, factors: np.ndarray, normal: np.ndarray,
+              room: tuple[np.ndarray, np.ndarray], places) -> float:
+    """
+    Return the factor on ``move`` from which the effect is worth naming.
+
+    The unit's factors take up what they can, but not beyond their limits.
+    """
+    side = factors.T @ move
+    root = np.linalg.cholesky(normal).T
+    target = np.linalg.solve(root.T, side)
+    size = 100.0
+    for _ in range(24):
+        share = lsq_linear(root, -size * target, room).x if len(side) else side
+        left = size * move + factors @ share
+        if min(_needed(left[place] / thin, blocks) for place, thin, blocks in places) > 1:
+            break
+        size /= 1.5
+    return size * 1.5 if size < 100.0 else np.inf
 
 
 def _places(campaign: Campaign) -> list[tuple[np.ndarray, float, int]]:

@@ -121,4 +121,5 @@ class Diagnosis:
     next_test: NextTest | None = None
     rivals: dict[str, str] = field(default_factory=dict)
     rig: str = ''
+    rig_digest: str = ''
     logs: tuple[str, ...] = ()

@@ -11,6 +11,7 @@ from reprlib import repr as short
 from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
+from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
     Limits, Number, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
@@ -70,7 +71,7 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         characterised_at=to_si(float(temperature), 'degC'),
         effects=_values(content.get('effects', {}), source, 'effects'),
         calibration=_factors(content.get('calibration', {}), source),
-        provenance=provenance, source=source)
+        provenance=provenance, source=source, digest=digest(content))
 
 
 def _known(mapping, allowed, source: str, where: str) -> None:

@@ -168,6 +168,8 @@ class Rig:
         Where effects and calibration came from; for people and for refusals.
     source : str
         File the rig was read from.
+    digest : str
+        Tells rigs apart by their numbers (``identity``).
 
     """
 
@@ -185,6 +187,7 @@ class Rig:
     calibration: dict[str, float] = field(default_factory=dict)
     provenance: dict = field(default_factory=dict)
     source: str = ''
+    digest: str = ''
 
     def require(self, *sections: str, purpose: str) -> None:
         """

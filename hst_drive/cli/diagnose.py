@@ -1,0 +1,168 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verb ``diagnose``: which physical effect does the model lack?
+
+The logs are one campaign of one drive. The unit is calibrated within its tolerances, every
+effect of the catalogue is fitted, and all are judged on data that was not used for fitting.
+"""
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
+from hst_drive.cli.output import add_json_argument, say, table, write_json
+
+if TYPE_CHECKING:
+    from hst_drive.diagnose.result import Diagnosis
+
+HELP = 'say which physical effect the model lacks, how large it is and how sure that is'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_log_arguments(parser)
+    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
+                        help='judge on this log (repeatable; default: a third of each LOG)')
+    add_json_argument(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Diagnose and print."""
+    from hst_drive.diagnose.decide import diagnose
+
+    rig = rig_of(args)
+    runs = read_logs([*args.logs, *args.holdout], args.channels)
+    for entry in runs:
+        for note in entry.notes:
+            say(f'{entry.name}: {note}')
+    training, held = runs[:len(args.logs)], runs[len(args.logs):]
+    result = diagnose(rig, training, held, progress=_progress())
+    if sys.stderr.isatty():
+        print('\r' + ' ' * 60 + '\r', end='', file=sys.stderr)
+    if args.json != '-':
+        print(text(result))
+    if args.json:
+        write_json(as_json(result), args.json)
+    return 0
+
+
+def _progress():
+    """Return a function that shows what is going on: a line that renews itself."""
+    if sys.stderr.isatty():
+        return lambda what: print(f'\r{what:60}', end='', file=sys.stderr, flush=True)
+    told: set[str] = set()
+
+    def tell(what: str) -> None:
+        head = what.split(':')[0]
+        if head not in told:
+            told.add(head)
+            say(head)
+
+    return tell
+
+
+def text(result: Diagnosis) -> str:
+    """Return the diagnosis for a terminal."""
+    lines = [result.sentence.strip(), '']
+    if result.effects:
+        lines += [_effects(result), '']
+    lines += ['error over the noise floor, held-out data (training data in brackets):',
+              _ladder(result)]
+    if result.unknown and result.unknown.expression:
+        unknown = result.unknown
+        lines += ['', f'the unknown enters at: {unknown.enters.replace("_", " ")}, seen in '
+                  f'{unknown.signal}', f'depends on: {", ".join(unknown.depends_on) or "-"}',
+                  f'formula: {unknown.expression}',
+                  f'it explains {100 * unknown.explained:.0f} % of what is left there']
+    if result.rivals:
+        lines += ['', 'the next best, alone, and why they are not it:',
+                  *(f'  {name}: {reason}' for name, reason in result.rivals.items())]
+    if result.next_test:
+        lines += ['', f'to tell {", ".join(result.next_test.separates)} apart: '
+                  f'{result.next_test.what}']
+    moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
+    if moved:
+        lines += ['', 'this unit against its datasheet (what moved by half a tolerance or more):',
+                  _calibration(moved)]
+    if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
+        lines += ['', 'the smallest size of each other effect that these logs would have shown:',
+                  _smallest(result)]
+    if result.not_observable:
+        lines += ['', 'not observable in these logs:',
+                  *(f'  {name}: {reason}' for name, reason in result.not_observable.items())]
+    return '\n'.join(lines)
+
+
+def _effects(result: Diagnosis) -> str:
+    from hst_drive.effects import catalogue
+
+    rows = []
+    for entry in result.effects:
+        parameters = catalogue()[entry.id].parameters
+        for place, parameter in enumerate(parameters):
+            value = entry.parameters[parameter.name]
+            rows.append([entry.id if place == 0 else '', parameter.name, f'{value.value:.4g}',
+                         f'{value.low:.4g} to {value.high:.4g}', value.unit,
+                         f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
+    return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
+
+
+def _ladder(result: Diagnosis) -> str:
+    signals = list(result.ladder[0].holdout)
+    rows = [[('+ ' if place > 1 else '') + step.added,
+             *(f'{step.holdout[name]:.2f} ({step.training.get(name, float("nan")):.2f})'
+               for name in signals)] for place, step in enumerate(result.ladder)]
+    return table(['model', *signals], rows)
+
+
+def _calibration(moved) -> str:
+    return table(['quantity', 'factor', 'tolerances', ''],
+                 [[entry.quantity, f'{entry.factor:.4f}', f'{entry.sigmas:+.1f}',
+                   'at its limit' if entry.at_limit else ''] for entry in moved])
+
+
+def _smallest(result: Diagnosis) -> str:
+    from hst_drive.effects import catalogue
+
+    rows = []
+    for name, size in sorted(result.smallest.items()):
+        parameter = catalogue()[name].parameters[0]
+        rows.append([name, parameter.name, f'{size:.3g}', parameter.unit])
+    return table(['effect', 'parameter', 'size', 'unit'], rows)
+
+
+def as_json(result: Diagnosis) -> dict:
+    """Return the diagnosis in the form of schema hst_drive/diagnosis/1."""
+    unknown = result.unknown
+    return {
+        'schema': 'hst_drive/diagnosis/1', 'verdict': result.verdict,
+        'sentence': result.sentence, 'rig': result.rig,
+        'rig_digest': result.rig_digest, 'logs': result.logs,
+        'effects': [{'id': entry.id,
+                     'parameters': {key: value._asdict()
+                                    for key, value in entry.parameters.items()},
+                     'error_removed': entry.error_removed,
+                     'indistinguishable_from': entry.indistinguishable_from}
+                    for entry in result.effects],
+        'ranking': [entry._asdict() for entry in result.ranking],
+        'errors': {'before': result.ladder[0].training, 'after': result.ladder[-1].training},
+        'holdout': {'before': result.ladder[0].holdout, 'after': result.ladder[-1].holdout},
+        'ladder': [step._asdict() for step in result.ladder],
+        'not_observable': sorted(result.not_observable),
+        'not_observable_because': result.not_observable,
+        'smallest_visible': {name: {'value': size, 'unit': _unit(name)}
+                             for name, size in result.smallest.items()},
+        'calibration': [entry._asdict() for entry in result.calibration],
+        'rivals': result.rivals,
+        'unknown': unknown._asdict() if unknown else None,
+        'next_test': result.next_test._asdict() if result.next_test else None,
+    }
+
+
+def _unit(name: str) -> str:
+    from hst_drive.effects import catalogue
+
+    return catalogue()[name].parameters[0].unit

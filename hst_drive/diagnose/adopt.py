@@ -1,0 +1,92 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Adoption: what a diagnosis found becomes part of the rig."""
+from __future__ import annotations
+
+from copy import deepcopy
+
+from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
+from hst_drive.rig.identity import digest
+
+SCHEMA = 'hst_drive/diagnosis/1'
+
+
+def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
+    """
+    Return the mapping of a rig file with the effects that a diagnosis found.
+
+    Parameters
+    ----------
+    rig : dict
+        Mapping of the rig file that was diagnosed.
+    diagnosis : dict
+        What ``diagnose --json`` wrote.
+    source, rig_source : str
+        Their files, for messages.
+
+    Raises
+    ------
+    InputError
+        If the file is no diagnosis, names no effect, was made with another rig, or was adopted
+        already.
+
+    """
+    if not isinstance(diagnosis, dict) or diagnosis.get('schema') != SCHEMA:
+        found = diagnosis.get('schema') if isinstance(diagnosis, dict) else None
+        raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "
+                         "file that 'hst-drive diagnose --json' wrote")
+    effects = diagnosis.get('effects')
+    if not isinstance(effects, list) or not all(isinstance(entry, dict) for entry in effects):
+        raise InputError(f"{source}: key 'effects' is {type(effects).__name__}, expected a list "
+                         'of effects; write the diagnosis again')
+    if not effects:
+        raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}' and names no "
+                         'effect: there is nothing to adopt')
+    names = [str(entry.get('id')) for entry in effects]
+    already = [name for name in names if name in (rig.get('effects') or {})]
+    if already:
+        raise InputError(f"{rig_source}: effect '{already[0]}' is adopted already; diagnose again "
+                         'with --rig and this file to see what else is missing')
+    expected = diagnosis.get('rig_digest')
+    if expected != digest(rig):
+        raise InputError(f'{rig_source}: is not the rig that was diagnosed '
+                         f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
+                         'with this one')
+    adopted = deepcopy(rig)
+    adopted['effects'] = {**(rig.get('effects') or {}),
+                          **{name: _values(entry, source) for name, entry in zip(names, effects)}}
+    factors = dict(rig.get('calibration') or {})
+    for entry in diagnosis.get('calibration', []):
+        key = entry['quantity']
+        factors[key] = float(f'{factors.get(key, 1.0) * entry["factor"]:.8g}')
+    adopted['calibration'] = factors
+    past = list((rig.get('provenance') or {}).get('adopted', []))
+    adopted['provenance'] = {'adopted': [*past, _provenance(diagnosis, source, names, effects)]}
+    return adopted
+
+
+def _values(entry: dict, source: str) -> dict[str, float]:
+    name = str(entry.get('id'))
+    if name not in catalogue():
+        raise InputError(f"{source}: effect '{name}' is not in the catalogue; see "
+                         "'hst-drive effects'")
+    try:
+        return {str(key): float(value['value']) for key, value in entry['parameters'].items()}
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
+                         'diagnosis again') from None
+
+
+def _provenance(diagnosis: dict, source: str, names: list[str], effects: list[dict]) -> dict:
+    return {
+        'diagnosis': source, 'verdict': diagnosis.get('verdict'),
+        'logs': list(diagnosis.get('logs', [])),
+        'held_out_noise_ratio': diagnosis.get('holdout'),
+        'intervals_95_percent': {
+            name: {key: [value.get('low'), value.get('high'), value.get('unit')]
+                   for key, value in entry['parameters'].items()}
+            for name, entry in zip(names, effects)},
+        'indistinguishable_from': {name: list(entry.get('indistinguishable_from', []))
+                                   for name, entry in zip(names, effects)},
+    }
