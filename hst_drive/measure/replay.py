@@ -16,6 +16,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
+from hst_drive.model.parameters import INDEX
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
@@ -198,9 +199,13 @@ class Replay:
         if 'pump_displacement' in first:
             state[0] = first['pump_displacement']
         elif 'motor_speed' in first or 'motor_inlet_flow' in first:
-            flow = motor.displacement * abs(state[2]) + leak + pump_leak
-            state[0] = np.clip(flow / pump.shaft_speed if abs(state[2]) > 0.2 else 0.0, 0.0,
-                               pump.max_displacement)
+            state[0] = 0.0
+            if abs(state[2]) > 0.2:
+                shown = drive.outputs(state, **commands,
+                                      oil_temperature=self.inputs['oil_temperature'][0])
+                flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
+                        + shown['case_drain_flow'] - shown['pump_flow'])
+                state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
         state[5] = state[7] = state[2]
         # A plate with play rests where the flow says, not where the command says.
         state[8] = np.interp(state[0], pump.displacement.y, pump.displacement.x)

@@ -1,0 +1,103 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Noise, coloured disturbances and their smoothing, against simulated and exact values."""
+from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
+import numpy as np
+import pytest
+
+from .synthetic import coloured
+
+TIME = np.arange(6000) * 0.01
+
+
+@pytest.mark.parametrize('motion', ['none', 'steps', 'ringing', 'drift'])
+def test_white_noise_is_found_under_motion(motion):
+    signal = {'none': 0 * TIME, 'steps': 40.0 * ((TIME / 4).astype(int) % 2),
+              'drift': 10 * np.sin(2 * np.pi * 0.3 * TIME),
+              # The hydraulic resonance after a step every 5 s.
+              'ringing': 30 * np.exp(-(TIME % 5) * 4) * np.sin(2 * np.pi * 9.6 * (TIME % 5)),
+              }[motion]
+    found = [noise_std(signal + 0.5 * np.random.default_rng(seed).standard_normal(len(TIME)))
+             for seed in range(8)]
+    assert np.mean(found) == pytest.approx(0.5, rel=0.03)
+    assert np.max(np.abs(np.array(found) - 0.5)) < 0.05
+
+
+@pytest.mark.parametrize('n, expected', [(9, 0.0), (0, 0.0), (40, 1.0), (200, 1.0)])
+def test_noise_of_short_records(n, expected):
+    found = np.mean([noise_std(np.random.default_rng(seed).standard_normal(n))
+                     for seed in range(300)])
+    assert found == pytest.approx(expected, rel=0.15)
+
+
+def test_noise_with_missing_samples():
+    values = np.random.default_rng(1).standard_normal(6000)
+    values[::7] = np.nan
+    assert noise_std(values) == pytest.approx(1.0, rel=0.05)
+    assert noise_std(np.full(50, np.nan)) == 0.0
+
+
+@pytest.mark.parametrize('rate', [50, 100, 500])
+@pytest.mark.parametrize('std, constant', [(0.5, 0.1), (3.0, 0.1), (3.0, 0.05), (8.0, 0.3)])
+def test_roughness_and_noise_are_told_apart(rate, std, constant):
+    n = 60 * rate
+    found = []
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        values = (coloured(random, n, 1 / rate, std, constant)
+                  + 0.5 * random.standard_normal(n))
+        found.append(estimate_coloured(np.arange(n) / rate, values, noise_std(values)))
+    deviation, time_constant, noise = np.mean(found, axis=0)
+    assert deviation == pytest.approx(std, rel=0.25)
+    assert time_constant == pytest.approx(constant, rel=0.4)
+    # Increments of the roughness hide the noise when they are larger.
+    assert noise == pytest.approx(0.5, abs=0.05 + 0.6 * std * np.sqrt(2 / rate / constant) / 5)
+
+
+def test_nothing_coloured_in_white_noise_and_short_records():
+    found = estimate_coloured(TIME, np.random.default_rng(2).standard_normal(6000), 1.0)
+    assert found.std < 0.25 and found.noise_std == pytest.approx(1.0, rel=0.03)
+    assert estimate_coloured(TIME[:15], np.zeros(15), 0.3) == Coloured(0.0, 0.3, 0.3)
+
+
+@pytest.fixture
+def dense():
+    """Return uneven time stamps, samples that count, and dense Gaussian-process algebra."""
+    random = np.random.default_rng(4)
+    time = np.cumsum(random.uniform(0.005, 0.05, 120))
+    valid = random.uniform(size=120) > 0.2
+    assumed = Coloured(1.7, 0.12, 0.6)
+    prior = assumed.std**2 * np.exp(-np.abs(time[:, None] - time) / assumed.time_constant)
+    cross = prior[:, valid]
+    gain = cross @ np.linalg.inv(prior[np.ix_(valid, valid)] + assumed.noise_std**2 * np.eye(
+        valid.sum()))
+    return time, valid, assumed, gain, prior - gain @ cross.T
+
+
+def test_smoother_is_the_gaussian_process_mean(dense):
+    time, valid, assumed, gain, _ = dense
+    values = np.random.default_rng(5).standard_normal(120)
+    values[~valid] = np.nan
+    found = Smoother(time, assumed, valid)(values)
+    np.testing.assert_allclose(found, gain @ values[valid], rtol=1e-8, atol=1e-10)
+
+
+def test_drawn_errors_have_the_posterior_covariance(dense):
+    time, valid, assumed, _, covariance = dense
+    smoother = Smoother(time, assumed, valid)
+    random = np.random.default_rng(6)
+    draws = np.array([smoother.draw_error(random) for _ in range(20000)])
+    # Between samples the disturbance is a bridge whose mean has a twelfth of the innovation.
+    decay = np.exp(-2 * np.diff(time) / assumed.time_constant)
+    bridge = assumed.std**2 * (1 - decay) / 12
+    want = covariance + np.diag(np.append(bridge, bridge[-1]))
+    found = np.cov(draws.T)
+    scale = np.sqrt(np.outer(np.diag(want), np.diag(want)))
+    assert np.max(np.abs(found - want) / scale) < 0.05
+    assert np.max(np.abs(draws.mean(axis=0)) / np.sqrt(np.diag(want))) < 0.05
+
+
+def test_nothing_to_smooth():
+    smoother = Smoother(TIME, Coloured(0.0, 0.3, 0.5))
+    assert not smoother(np.ones(6000)).any()
+    assert not smoother.draw_error(np.random.default_rng(1)).any()

@@ -1,0 +1,130 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Replay: a perfect model reaches its floor, whatever was recorded and however fast."""
+from hst_drive.errors import InputError
+from hst_drive.measure.compare import compare
+from hst_drive.measure.replay import Replay
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+from .synthetic import record
+
+RIG = default_rig()
+
+
+def ratios(seeds, **settings):
+    """Return the mean noise ratio by signal: ringing is rare events, one record scatters."""
+    drive = Drive(RIG)
+    found = [compare(drive, [record(seed, **settings)]).signals for seed in seeds]
+    return {name: np.sqrt(np.mean([signals[name].noise_ratio**2 for signals in found]))
+            for name in found[0]}
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('settings', [
+    {}, {'roughness': 0.0}, {'roughness': 0.5}, {'roughness': 3.0}, {'time_constant': 0.05},
+    {'noise': 0.3}, {'noise': 3.0}, {'rate': 50}, {'rate': 500, 'duration': 15.0},
+    {'leave_out': ('motor_speed',)}, {'leave_out': ('pump_outlet_pressure',)},
+    {'leave_out': ('motor_inlet_flow',)}, {'leave_out': ('oil_temperature',)},
+    {'roughness': 0.0, 'rate': 20},
+], ids=str)
+def test_a_perfect_model_reaches_the_floor(settings):
+    found = ratios(range(20, 26), **settings)
+    assert len(found) == 4 - (settings.get('leave_out', ('oil_temperature',))[0]
+                              != 'oil_temperature')
+    for name, ratio in found.items():
+        assert 0.9 < ratio < 1.15, name
+
+
+def test_a_perfect_model_reaches_the_floor_in_short():
+    """The same with plain Python, short."""
+    found = compare(Drive(RIG), [record(21, duration=6.0)]).signals
+    for name, entry in found.items():
+        assert 0.75 < entry.noise_ratio < 1.4, name
+        assert entry.noise_std == pytest.approx(RIG.sensors[name].noise_std, rel=0.35)
+
+
+@pytest.mark.needs_numba
+def test_without_torque_the_floor_is_the_sensors():
+    run = record(20, leave_out=('load_torque',))
+    drive = Drive(RIG)
+    replay = Replay(run, drive)
+    assert not replay.can_correct
+    assert replay.floor(drive) == pytest.approx(replay.noise)
+    assert not replay.disturbance(drive).any()
+    # The roughness, not known here, is what is left.
+    assert 1.5 < compare(drive, [run]).signals['motor_speed'].noise_ratio < 10
+
+
+@pytest.mark.needs_numba
+def test_floor_responds_to_the_torque_sensor():
+    drive = Drive(RIG)
+    floors = [Replay(run, drive).floor(drive) for run in (
+        record(20, noise=noise) for noise in (0.3, 1.0, 4.0))]
+    for name in ('pump_outlet_pressure', 'motor_speed', 'load_torque'):
+        quiet, usual, loud = (floor[name] for floor in floors)
+        assert quiet < usual < loud
+
+
+@pytest.mark.needs_numba
+def test_gaps_are_bridged_and_not_judged():
+    run = record(20)
+    random = np.random.default_rng(1)
+    holes = {}
+    for name, values in run.channels.items():
+        holes[name] = values.copy()
+        holes[name][random.uniform(size=len(run)) < 0.02] = np.nan
+    holes['motor_speed'][500:550] = np.nan
+    found = compare(Drive(RIG), [Run('holes', run.time, holes, 'holes.csv')]).signals
+    for name, entry in found.items():
+        assert np.isfinite(entry.rmse)
+        assert entry.samples == np.isfinite(holes[name]).sum()
+        # The bridged commands and speeds cost something, but little.
+        assert 0.85 < entry.noise_ratio < 1.4, name
+
+
+@pytest.mark.needs_numba
+def test_a_hidden_effect_stands_out():
+    run = record(20, effects={'motor_leakage': {'conductance': 3e-12}})
+    result = compare(Drive(RIG), [run])
+    assert result.signals['motor_speed'].noise_ratio > 5
+    known = Drive(RIG, {'motor_leakage': {'conductance': 3e-12}})
+    assert compare(known, [run]).signals['motor_speed'].noise_ratio < 1.3
+    assert result.where[0].variable in ('pump_outlet_pressure', 'load_torque', 'pprv_command')
+
+
+@pytest.mark.needs_numba
+def test_a_late_channel_shows_its_delay():
+    run = record(20, roughness=0.3)
+    late = dict(run.channels)
+    late['motor_inlet_flow'] = np.interp(run.time - 0.01, run.time, late['motor_inlet_flow'])
+    found = compare(Drive(RIG), [Run('late', run.time, late, 'late.csv')]).logs[0].delays
+    assert found['motor_inlet_flow'] == pytest.approx(0.01, abs=0.002)
+    assert found['motor_speed'] == pytest.approx(0, abs=2e-3)
+
+
+@pytest.mark.parametrize('leave_out, expected', [
+    (('pump_command',), "channel 'pump_command' is missing; a replay of the whole drive needs"),
+    (('pprv_command',), "channel 'pprv_command' is missing"),
+    (('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque'),
+     'nothing to compare; expected at least one of'),
+])
+def test_logs_that_cannot_be_replayed(leave_out, expected):
+    with pytest.raises(InputError, match=expected) as caught:
+        Replay(record(1, duration=1.0, leave_out=leave_out), Drive(RIG))
+    assert str(caught.value).startswith('synthetic.csv: ')
+
+
+def test_the_start_is_what_the_signals_tell():
+    drive = Drive(RIG)
+    run = record(3, duration=2.0)
+    whole = Replay(run, drive).start(drive)
+    assert whole[1] == run['pump_outlet_pressure'][0] and whole[2] == run['motor_speed'][0]
+    for missing in ('pump_outlet_pressure', 'motor_speed', 'motor_inlet_flow'):
+        part = Run(run.name, run.time, {name: values for name, values in run.channels.items()
+                                        if name != missing}, run.source)
+        found = Replay(part, drive).start(drive)
+        np.testing.assert_allclose(found[:4], whole[:4], rtol=0.03)
