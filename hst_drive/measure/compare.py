@@ -2,18 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """A model beside measurements: errors by signal and where they sit."""
 from __future__ import annotations
-
 import math
 from typing import NamedTuple, Sequence
 
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.errors import ErrorSummary, summarise
+from hst_drive.measure.noise import noise_std
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
 import numpy as np
+
+_LONGEST_DELAY = 0.1    # s
 
 
 class LogComparison(NamedTuple):
@@ -62,9 +64,11 @@ def compare(drive: Drive, runs: Sequence[Run], *, closed_loop: bool = False) -> 
         floor = replay.floor(drive)
         noise = dict(replay.noise)
         if closed_loop:
-            model = _closed_loop(drive, run, replay)
-            if 'pump_command' in run:
-                floor['pump_command'] = noise['pump_command'] = _command_floor(drive, floor)
+            torque = {replay.torque: model[replay.torque]} if replay.can_correct else {}
+            model = {**_closed_loop(drive, run, replay), **torque}
+            noise['pump_command'] = _command_noise(run['pump_command'])
+            floor['pump_command'] = _command_floor(drive, run, noise['pump_command'],
+                                                   floor.get('motor_speed', 0.0))
         delays = {name: _delay(run.time, model[name], run[name], floor[name]) for name in model}
         signals = {name: summarise(model[name], run[name], CHANNELS[name].unit, noise[name],
                                    floor[name]) for name in model}
@@ -102,14 +106,34 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
         return 0.0
     delay = float(rate @ (error - error.mean())) / power
     deviation = max(floor, float(error.std())) / math.sqrt(power)
-    # Residuals are correlated over some ten samples: ask for a clear sign.
-    return delay if abs(delay) > 10 * deviation else 0.0
+    # Residuals are correlated over some ten samples: ask for a clear sign. The slope tells a
+    # short delay only; what looks longer is another error.
+    return delay if 10 * deviation < abs(delay) < _LONGEST_DELAY else 0.0
 
 
-def _command_floor(drive: Drive, floor: dict[str, float]) -> float:
-    """Return what speed noise does to the command through the PI law, V."""
-    controller = drive.rig.controller
-    return max(controller.kp * floor.get('motor_speed', 0.0), 0.01)
+def _command_noise(command: np.ndarray) -> float:
+    """Return the white noise of the command, V: at least what its steps, if any, make."""
+    steps = np.abs(np.diff(command))
+    steps = steps[steps > 0]
+    step = float(steps.min()) if len(steps) else 0.0
+    return max(noise_std(command), step / math.sqrt(12.0), 1e-6)
+
+
+def _command_floor(drive: Drive, run: Run, noise: float, speed_floor: float) -> float:
+    """
+    Return what speed noise does to the command, V.
+
+    Its proportional part is the white noise of the command itself. In the loop the integral is
+    an autoregressive process of first order: it decays with ki*G, G the slope of speed over
+    command, and so has the variance ki*T/(2*G) times that of the speed.
+    """
+    controller, pump = drive.rig.controller, drive.rig.pump
+    usual = float(np.nanmedian(run['pump_command']))
+    ends = np.clip([usual - 0.5, usual + 0.5], pump.displacement.x[0], pump.displacement.x[-1])
+    slope = float(np.diff(pump.displacement(ends))[0] / np.diff(ends)[0])
+    gain = max(slope, 1e-12) * pump.shaft_speed / drive.rig.motor.displacement
+    memory = controller.ki * controller.sample_time / (2 * gain)
+    return math.sqrt(noise**2 + memory * speed_floor**2)
 
 
 def _closed_loop(drive: Drive, run: Run, replay: Replay) -> dict[str, np.ndarray]:

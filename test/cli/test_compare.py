@@ -1,0 +1,220 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The verb compare: its JSON, its inputs good and bad, its picture."""
+import json
+import subprocess
+import sys
+
+from hst_drive import cli
+from hst_drive.bag import write_csv, write_run
+from hst_drive.measure.run import Run
+from hst_drive.resources import share
+import numpy as np
+import pytest
+
+from ..measure.synthetic import record
+
+SUMMARY = {'unit': str, 'samples': int, 'rmse': float, 'bias': float, 'max_abs': float,
+           'noise_std': float, 'floor': float, 'noise_ratio': float, 'russell': dict}
+REGION = {'signal': str, 'variable': str, 'low': float, 'high': float, 'unit': str,
+          'share_of_error': float, 'share_of_time': float}
+UNITS = {'pump_outlet_pressure': 'Pa', 'motor_inlet_flow': 'm^3/s', 'motor_speed': 'rad/s',
+         'load_torque': 'N.m'}
+
+
+@pytest.fixture(scope='module')
+def run():
+    """Return a short recording."""
+    return record(3, duration=4.0)
+
+
+@pytest.fixture(scope='module')
+def log(run, tmp_path_factory):
+    """Return the recording as a CSV file."""
+    path = tmp_path_factory.mktemp('logs') / 'run.csv'
+    write_csv(path, run)
+    return path
+
+
+def command(capsys, *arguments):
+    """Return exit code, standard output and standard error."""
+    code = cli.main(['compare', *map(str, arguments)])
+    return code, *capsys.readouterr()
+
+
+def refused(capsys, *arguments):
+    """Return the one line with which wrong input is refused."""
+    code, out, err = command(capsys, *arguments)
+    assert code == 2 and not out
+    assert err.count('\n') == 1 and err.startswith('hst-drive: ') and 'Traceback' not in err
+    return err
+
+
+def check(content, schema):
+    """Check keys and types."""
+    for key, kind in schema.items():
+        found = content[key]
+        assert isinstance(found, (int, float) if kind is float else kind), key
+        assert not isinstance(found, bool)
+
+
+def test_json_is_that_of_the_contract(log, tmp_path, capsys):
+    rig = tmp_path / 'other.yaml'
+    rig.write_text(share('config', 'rig', 'test_rig.yaml').read_text().replace(
+        'displacement_cc_rev: 195', 'displacement_cc_rev: 185'))
+    code, out, err = command(capsys, log, '--rig', rig, '--json', tmp_path / 'a.json')
+    assert code == 0 and not err
+    content = json.loads((tmp_path / 'a.json').read_text())
+    assert content['schema'] == 'hst_drive/comparison/1'
+    assert content['rig'] == str(rig) and content['logs'] == [str(log)]
+    assert {name: entry['unit'] for name, entry in content['signals'].items()} == UNITS
+    for entry in content['signals'].values():
+        check(entry, SUMMARY)
+        check(entry['russell'], dict.fromkeys(('magnitude', 'phase', 'comprehensive'), float))
+        assert entry['noise_ratio'] == pytest.approx(entry['rmse'] / entry['floor'])
+    assert content['where']
+    for region in content['where']:
+        check(region, REGION)
+        assert region['low'] < region['high'] and 0 <= region['share_of_time'] <= 1
+    # A hydromotor that is said to be smaller turns faster, by 195/185.
+    speed = content['signals']['motor_speed']
+    assert speed['bias'] == pytest.approx(10 * (195 / 185 - 1), rel=0.3)
+    assert 'does not explain the measurements' in out
+    for title in ('pump outlet pressure [bar]', 'hydromotor speed [rpm]', 'x floor', 'Russell'):
+        assert title in out
+
+
+def test_json_alone_on_standard_output(log, capsys):
+    code, out, err = command(capsys, log, '--json', '-')
+    assert code == 0 and json.loads(out)['signals'].keys() == UNITS.keys()
+
+
+def test_a_bag_gives_what_the_csv_gives(run, log, tmp_path, capsys):
+    write_run(tmp_path / 'bag', run)
+    mcap = next((tmp_path / 'bag').glob('*.mcap'))
+    found = [json.loads(command(capsys, path, '--json', '-')[1])['signals']
+             for path in (log, tmp_path / 'bag', mcap)]
+    for signals in found[1:]:
+        for name in UNITS:
+            # Times of a bag are whole nanoseconds, a CSV keeps nine digits.
+            assert signals[name]['rmse'] == pytest.approx(found[0][name]['rmse'], rel=1e-3)
+            assert signals[name]['samples'] == found[0][name]['samples'] == len(run)
+
+
+def test_several_logs(run, log, tmp_path, capsys):
+    write_csv(tmp_path / 'run.csv', run)
+    code, out, err = command(capsys, log, tmp_path / 'run.csv', '--plot', tmp_path / 'a.png',
+                             '--json', tmp_path / 'a.json')
+    assert code == 0 and '2 logs:' in out and 'log by log' in out
+    # Equal names are told apart by their folders.
+    for folder in (log.parent.name, tmp_path.name):
+        assert f'{folder}/run' in out
+    pictures = sorted(tmp_path.glob('a_*.png'))
+    assert len(pictures) == 2 and err.count('wrote ') == 2
+    content = json.loads((tmp_path / 'a.json').read_text())
+    assert content['signals']['motor_speed']['samples'] == 2 * len(run)
+    assert len(content['by_log']) == 2
+
+
+def test_a_picture(log, tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    assert command(capsys, log, '--plot', tmp_path / 'a.png')[0] == 0
+    assert (tmp_path / 'a.png').read_bytes().startswith(b'\x89PNG')
+
+
+def test_without_matplotlib(log, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'matplotlib', None)
+    code, out, err = command(capsys, log, '--plot', tmp_path / 'a.png')
+    assert code == 2 and 'matplotlib is not installed' in err
+
+
+def test_foreign_names(run, tmp_path, capsys):
+    csv, channels = tmp_path / 'a.csv', tmp_path / 'map.yaml'
+    write_csv(csv, run)
+    csv.write_text(csv.read_text().replace('motor_speed[rpm]', 'Drehzahl [1/min]'))
+    assert 'hydromotor speed' not in command(capsys, csv)[1].partition('where')[0]
+    channels.write_text('channels: {motor_speed: "Drehzahl [1/min]"}\n')
+    assert 'hydromotor speed [rpm]' in command(capsys, csv, '--channels', channels)[1]
+
+
+def lines(log):
+    """Return header and rows of a log."""
+    head, *rows = log.read_text().splitlines(keepends=True)
+    return head, rows
+
+
+BAD = {
+    'empty': (lambda head, rows: '', 'the file is empty'),
+    'no units': (lambda head, rows: 'time,motor_speed\n0,1\n1,1\n', "'time' has no unit"),
+    'text': (lambda head, rows: head + ''.join(
+        row.rsplit(',', 1)[0] + ',abc\n' for row in rows), "expected a number, found 'abc'"),
+    'time back': (lambda head, rows: head + ''.join(rows[:50] + rows[40:]), 'runs back'),
+    'two rows': (lambda head, rows: head + ''.join(rows[:2]), 'only 2 rows'),
+    'header': (lambda head, rows: head, 'no rows of data'),
+    'inputs alone': (lambda head, rows: 'time[s],pump_command[V],pprv_command[V]\n' + ''.join(
+        f'{k / 100},5,2\n' for k in range(30)), 'nothing to compare'),
+    'no command': (lambda head, rows: 'time[s],motor_speed[rpm]\n' + ''.join(
+        f'{k / 100},5\n' for k in range(30)), "channel 'pump_command' is missing"),
+    'no name': (lambda head, rows: 'time[s],foo[V]\n0,1\n1,2\n', 'none of its columns is known'),
+}
+
+
+@pytest.mark.parametrize('case', BAD)
+def test_bad_files(log, tmp_path, capsys, case):
+    change, expected = BAD[case]
+    path = tmp_path / 'bad.csv'
+    path.write_text(change(*lines(log)))
+    said = refused(capsys, path)
+    assert str(path) in said and expected in said
+
+
+def test_bad_bags(run, tmp_path, capsys):
+    write_run(tmp_path / 'cut', run)
+    mcap = next((tmp_path / 'cut').glob('*.mcap'))
+    mcap.write_bytes(mcap.read_bytes()[:-len(mcap.read_bytes()) // 2])
+    assert 'was cut off' in refused(capsys, tmp_path / 'cut')
+    (tmp_path / 'folder').mkdir()
+    assert 'is no bag' in refused(capsys, tmp_path / 'folder')
+    assert 'No such file' in refused(capsys, tmp_path / 'none.csv')
+
+
+def test_a_bag_with_none_of_our_topics(tmp_path, capsys):
+    rosbag2 = pytest.importorskip('rosbags.rosbag2')
+    from rosbags.typesys import get_typestore, Stores
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    text = store.types['std_msgs/msg/String']
+    with rosbag2.Writer(tmp_path / 'foreign', version=9) as writer:
+        topic = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=store)
+        for k in range(20):
+            writer.write(topic, k * 10**7, store.serialize_cdr(text(data='x'), topic.msgtype))
+    said = refused(capsys, tmp_path / 'foreign')
+    assert '/chatter' in said or 'topic' in said
+
+
+def test_gaps_are_told_and_judged_around(run, tmp_path, capsys):
+    holes = dict(run.channels)
+    holes['motor_speed'] = holes['motor_speed'].copy()
+    holes['motor_speed'][50:90] = np.nan
+    holes['pump_outlet_pressure'] = np.full(len(run), np.nan)
+    write_csv(tmp_path / 'gaps.csv', Run('gaps', run.time, holes))
+    code, out, err = command(capsys, tmp_path / 'gaps.csv', '--json', tmp_path / 'a.json')
+    assert code == 0 and 'motor_speed: 40 of 400 samples missing' in err
+    signals = json.loads((tmp_path / 'a.json').read_text())['signals']
+    assert signals['motor_speed']['samples'] == 360
+    assert 'pump_outlet_pressure' not in signals
+
+
+@pytest.mark.parametrize('arguments, expected', [
+    ([], 'LOG'), (['--rig', 'none.yaml'], 'none.yaml: cannot be read'),
+    (['--channels', 'none.yaml'], 'none.yaml'), (['--json', '/none/a.json'], 'cannot be written'),
+    (['--closed-loop'], "channel 'speed_setpoint' is missing"), (['--colour'], '--colour')])
+def test_wrong_arguments(log, capsys, arguments, expected):
+    code, out, err = command(capsys, *([log, *arguments] if arguments else []))
+    assert code == 2 and expected in err and err.count('\n') == 1
+
+
+def test_as_a_process(log):
+    done = subprocess.run([sys.executable, '-m', 'hst_drive', 'compare', str(log)],
+                          capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and 'hydromotor speed [rpm]' in done.stdout and not done.stderr

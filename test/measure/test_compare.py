@@ -1,0 +1,95 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Comparison of several logs, and with the controller in the loop."""
+from pathlib import Path
+
+from hst_drive.bag import read_log
+from hst_drive.control import PiController
+from hst_drive.errors import InputError
+from hst_drive.measure.compare import compare
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive, SensorBank
+from hst_drive.model.steady import operating_point
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+from .synthetic import record
+
+RIG = default_rig()
+SAMPLE = Path(__file__).resolve().parents[3] / 'shared' / 'cases' / 'no_effect' / 'drilling.csv'
+
+
+def closed_loop_record(duration, effects=None):
+    """Return a recording of model and controller, which reads the speed with its noise."""
+    drive, bank = Drive(RIG, effects), SensorBank(RIG, 3)
+    law = PiController(RIG.controller.kp, RIG.controller.ki, 0.01, (0, 10))
+    point = operating_point(drive, 9.5, pprv_command=2.0)
+    state, command = point.state.copy(), point.pump_command
+    law.reset(command)
+    time = np.arange(int(duration * 100)) * 0.01
+    setpoint = np.where(time < duration / 2, 9.5, 10.5)
+    pprv = np.where(time < duration / 3, 2.0, 3.0)
+    rows = []
+    for k in range(len(time)):
+        row = bank.read(drive.outputs(state, pump_command=command, pprv_command=pprv[k]))
+        command = law.update(setpoint[k], row['motor_speed'])
+        rows.append({**row, 'pump_command': command})
+        state = drive.advance(state, 0.01, pump_command=command, pprv_command=pprv[k])
+    channels = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    return Run('loop', time, {**channels, 'pprv_command': pprv, 'speed_setpoint': setpoint},
+               'loop.csv')
+
+
+@pytest.mark.needs_numba
+def test_closed_loop_gives_the_command_within_its_noise():
+    entry = compare(Drive(RIG), [closed_loop_record(20.0)], closed_loop=True).signals
+    assert entry['pump_command'].noise_ratio < 1.3
+    assert entry['pump_command'].rmse < 0.002
+    assert entry['motor_speed'].noise_ratio < 1.3
+
+
+@pytest.mark.needs_numba
+def test_closed_loop_shows_a_hidden_effect_in_the_command():
+    run = closed_loop_record(20.0, {'motor_leakage': {'conductance': 3e-12}})
+    signals = compare(Drive(RIG), [run], closed_loop=True).signals
+    # The controller hides it in the speed.
+    assert signals['pump_command'].noise_ratio > 20 > signals['motor_speed'].noise_ratio
+
+
+@pytest.mark.needs_numba
+@pytest.mark.skipif(not SAMPLE.is_file(), reason='the sample campaigns are not here')
+def test_closed_loop_on_a_sample():
+    signals = compare(Drive(RIG), [read_log(SAMPLE)], closed_loop=True).signals
+    for name in ('pump_command', 'motor_speed', 'pump_outlet_pressure', 'motor_inlet_flow'):
+        assert 0.9 < signals[name].noise_ratio < 1.15, name
+    assert signals['pump_command'].rmse < 0.0015
+
+
+@pytest.mark.parametrize('missing', ['speed_setpoint', 'controller'])
+def test_what_a_closed_loop_needs(missing):
+    run = closed_loop_record(0.5)
+    rig = RIG
+    if missing == 'controller':
+        from dataclasses import replace
+        rig = replace(RIG, controller=None)
+    else:
+        run.channels.pop(missing)
+    with pytest.raises(InputError, match=f"'{missing}' is missing"):
+        compare(Drive(rig), [run], closed_loop=True)
+
+
+def test_several_logs_are_pooled_by_their_samples():
+    runs = [record(1, duration=2.0), record(2, duration=4.0, leave_out=('motor_inlet_flow',))]
+    result = compare(Drive(RIG), runs)
+    single = [compare(Drive(RIG), [run]).signals for run in runs]
+    assert [log.run.name for log in result.logs] == ['synthetic 1', 'synthetic 2']
+    assert result.signals['motor_inlet_flow'].rmse == single[0]['motor_inlet_flow'].rmse
+    for key in ('rmse', 'floor', 'noise_std', 'bias'):
+        power = 1 if key == 'bias' else 2
+        one, two = (getattr(signals['motor_speed'], key)**power for signals in single)
+        found = getattr(result.signals['motor_speed'], key)**power
+        assert found == pytest.approx((one + 2 * two) / 3)
+    assert result.signals['motor_speed'].samples == 600
+    assert result.signals['motor_speed'].max_abs == max(
+        signals['motor_speed'].max_abs for signals in single)
