@@ -17,6 +17,7 @@ from hst_drive.cli.output import add_json_argument, say, table, write_json
 if TYPE_CHECKING:
     from hst_drive.measure.compare import Comparison
     from hst_drive.measure.errors import ErrorSummary
+    from hst_drive.measure.where import Region
 
 HELP = 'replay recordings through the model: how well does it fit, and where not'
 _CLEAR = 1.25   # a noise ratio above it is an error to look at
@@ -53,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def text(result: Comparison) -> str:
+def text(result: Comparison, most_regions: int = 8) -> str:
     """Return the comparison for a terminal."""
     lines = [_sentence(result), '']
     lines.append(_table(result.signals))
@@ -62,7 +63,7 @@ def text(result: Comparison) -> str:
                                  for name in result.signals)] for log in result.logs]
         lines += ['', 'error over floor, log by log:', table(['log', *result.signals], rows)]
     if result.where:
-        lines += ['', 'where the error sits:', _where(result)]
+        lines += ['', 'where the error sits:', _where(result.where[:most_regions])]
     delays = [f'{log.run.name}: {name} is {abs(delay) * 1e3:.1f} ms '
               f'{"late" if delay > 0 else "early"}' for log in result.logs
               for name, delay in log.delays.items()
@@ -101,13 +102,13 @@ def _table(signals: dict[str, ErrorSummary]) -> str:
                   'Russell M %', 'P %', 'C %'], rows)
 
 
-def _where(result: Comparison) -> str:
+def _where(regions: list[Region]) -> str:
     from hst_drive.measure.run import CHANNELS
     from hst_drive.measure.where import TRANSIENT
     from hst_drive.units import from_si
 
     rows = []
-    for region in result.where:
+    for region in regions:
         if region.variable == TRANSIENT:
             title, unit, low, high = 'rate of pressure', 'bar/s', region.low / 1e5, \
                 region.high / 1e5

@@ -39,9 +39,7 @@ def run(args: argparse.Namespace) -> int:
         for note in entry.notes:
             say(f'{entry.name}: {note}')
     training, held = runs[:len(args.logs)], runs[len(args.logs):]
-    result = diagnose(rig, training, held, progress=_progress())
-    if sys.stderr.isatty():
-        print('\r' + ' ' * 60 + '\r', end='', file=sys.stderr)
+    result = diagnose(rig, training, held, progress=progress_line())
     if args.json != '-':
         print(text(result))
     if args.json:
@@ -49,10 +47,10 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _progress():
+def progress_line():
     """Return a function that shows what is going on: a line that renews itself."""
     if sys.stderr.isatty():
-        return lambda what: print(f'\r{what:60}', end='', file=sys.stderr, flush=True)
+        return lambda what: print(f'\r{what:60}\r', end='', file=sys.stderr, flush=True)
     told: set[str] = set()
 
     def tell(what: str) -> None:
@@ -64,8 +62,8 @@ def _progress():
     return tell
 
 
-def text(result: Diagnosis) -> str:
-    """Return the diagnosis for a terminal."""
+def text(result: Diagnosis, short: bool = False) -> str:
+    """Return the diagnosis for a terminal; the short form stops after what was found."""
     lines = [result.sentence.strip(), '']
     if result.effects:
         lines += [_effects(result), '']
@@ -77,6 +75,8 @@ def text(result: Diagnosis) -> str:
                   f'{unknown.signal}', f'depends on: {", ".join(unknown.depends_on) or "-"}',
                   f'formula: {unknown.expression}',
                   f'it explains {100 * unknown.explained:.0f} % of what is left there']
+    if short:
+        return '\n'.join(lines)
     if result.rivals:
         lines += ['', 'the next best, alone, and why they are not it:',
                   *(f'  {name}: {reason}' for name, reason in result.rivals.items())]

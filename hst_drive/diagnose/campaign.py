@@ -14,18 +14,18 @@ import copy
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Sequence
 
-import numpy as np
-from scipy.ndimage import gaussian_filter1d
-
 from hst_drive.effects import catalogue
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX, SCALED
 from hst_drive.rig import Rig
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 MAX_STEP = 5e-3         # s; halving it moves no reading by more than a tenth of its noise
 BLOCK = 2.0             # s; errors further apart than this count as independent
+EVENTS = 0.07           # share of the blocks that single events may spoil
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 STAMPS = 1e-3           # s: how well time stamps and steps of the load are known
 _START = 3.0            # s within which a drive may still break away from standstill
@@ -184,15 +184,19 @@ class Campaign:
         return float(np.sqrt(min(10 * self.replays[column.log].run.sample_time, 1.0)))
 
     def ratios(self, errors: Sequence[np.ndarray], held_out: bool) -> dict[str, float]:
-        """Return the noise ratio by signal, over all logs."""
-        squares: dict[str, list[float]] = {}
-        for error, column in zip(errors, self.columns):
-            chosen = (error * column.trust)[column.judge if held_out else column.fit]
-            if len(chosen):
-                entry = squares.setdefault(column.signal, [0.0, 0.0])
-                entry[0] += float(chosen @ chosen)
-                entry[1] += len(chosen)
-        return {name: float(np.sqrt(total / count)) for name, (total, count) in squares.items()}
+        """
+        Return the noise ratio by signal, over all logs.
+
+        The worst blocks (a share of ``EVENTS``) are left out: an error confined to a few
+        seconds is an event, not physics that the model lacks.
+        """
+        ratios = {}
+        for name, squares in self.blocks(errors, held_out).items():
+            squares = np.sort(squares[np.isfinite(squares)])
+            kept = squares[:len(squares) - int(np.ceil(EVENTS * len(squares)))]
+            if len(kept):
+                ratios[name] = float(np.sqrt(kept.mean()))
+        return ratios
 
     def blocks(self, errors: Sequence[np.ndarray], held_out: bool = True) -> dict[
             str, np.ndarray]:

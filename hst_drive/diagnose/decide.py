@@ -3,6 +3,7 @@
 """From fitted candidates to an answer: none, found, ambiguous or unknown."""
 from __future__ import annotations
 
+import math
 from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
@@ -193,7 +194,6 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
 
 
 def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
-    import math
     return tuple(sorted(
         (Calibrated(key, math.exp(value), value / campaign.tolerances[key],
                     abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key])
@@ -225,8 +225,9 @@ def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], re
     if verdict == 'missing_effect':
         return f'The model lacks {lacks}. {falls}'
     if verdict == 'ambiguous':
-        doubts = '; '.join(f"{entry.id} cannot be told from {', '.join(entry.indistinguishable_from)}"
-                           for entry in effects if entry.indistinguishable_from)
+        doubts = '; '.join(
+            f"{entry.id} cannot be told from {', '.join(entry.indistinguishable_from)}"
+            for entry in effects if entry.indistinguishable_from)
         return f'The model lacks {lacks}, but {doubts} on these logs. {falls}'
     place = ''
     if remaining:

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-import numpy as np
-from scipy.optimize import lsq_linear
-
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.effects import catalogue
+import numpy as np
+from scipy.optimize import lsq_linear
 
 SIGMAS = 3.0
 _NUDGE = 0.5            # of a tolerance: step of the differences for the unit's factors
@@ -106,8 +105,8 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
             step = -step
         moved = vector.copy()
         moved[k] += step
-        columns[:, place] = (campaign.training(campaign.errors(unknowns.unpack(moved), to_fit=True)) - base) \
-            / step
+        there = campaign.errors(unknowns.unpack(moved), to_fit=True)
+        columns[:, place] = (campaign.training(there) - base) / step
     return columns
 
 

@@ -9,11 +9,10 @@ narrow. A share of the effect's own size is added for its functional form.
 """
 from __future__ import annotations
 
-import numpy as np
-from scipy.stats import norm
-
 from hst_drive.diagnose.campaign import BLOCK, Campaign
 from hst_drive.diagnose.fit import Fit, Unknowns
+import numpy as np
+from scipy.stats import norm
 
 _FORM = 0.01    # relative standard deviation: no machine follows one formula exactly
 

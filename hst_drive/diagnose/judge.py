@@ -11,17 +11,15 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
-import numpy as np
-
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
+import numpy as np
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.08
 CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
-EVENTS = 0.07           # share of the blocks that single events may spoil
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
 
 
@@ -87,19 +85,6 @@ def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float]) -> dict[str, float]:
-    """
-    Return the signals whose held-out noise ratio is above what counts as explained.
-
-    The worst blocks are left out: an error confined to a few seconds is an event, not physics
-    that the model lacks.
-    """
-    left = {}
-    for name, squares in campaign.blocks(model.errors).items():
-        squares = np.sort(squares[np.isfinite(squares)])
-        kept = squares[:len(squares) - int(np.ceil(EVENTS * len(squares)))]
-        if not len(kept):
-            continue
-        power = float(kept.mean())
-        if power > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2:
-            left[name] = float(np.sqrt(power))
-    return left
+    """Return the signals whose held-out noise ratio is above what counts as explained."""
+    return {name: ratio for name, ratio in campaign.ratios(model.errors, True).items()
+            if ratio**2 > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2}

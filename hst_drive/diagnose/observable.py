@@ -11,13 +11,12 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-import numpy as np
-from scipy.optimize import lsq_linear
-
 from hst_drive.diagnose.campaign import BLOCK, Campaign, typical
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.effects import catalogue
+import numpy as np
+from scipy.optimize import lsq_linear
 
 
 class Visibility(NamedTuple):

@@ -11,11 +11,10 @@ from concurrent.futures import ThreadPoolExecutor
 import os
 from typing import Callable, NamedTuple, Sequence
 
-import numpy as np
-
 from hst_drive.diagnose.campaign import Campaign, Model, typical
 from hst_drive.diagnose.fit import Fit, fit
 from hst_drive.diagnose.judge import contribution, Gain, gain, unexplained, worthwhile
+import numpy as np
 
 MOST_EFFECTS = 3
 _BEAM = 2

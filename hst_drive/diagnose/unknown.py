@@ -14,14 +14,13 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import NamedTuple
 
-import numpy as np
-from scipy.ndimage import gaussian_filter1d
-
 from hst_drive.diagnose.campaign import BLOCK, Campaign
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import CLEAN_RATIO, PRACTICAL
 from hst_drive.diagnose.result import Unknown
 from hst_drive.measure.run import CHANNELS
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
 MOST_TERMS = 3

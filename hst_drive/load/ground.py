@@ -134,6 +134,8 @@ class Ground(Profile):
     ----------
     time, depth, strength, torque : ndarray, shape (n,)
         s, m, Pa, N.m; torque is what the profile returns.
+    layers : tuple of Layer
+        The ground.
     notes : tuple of str
         What the reader should know.
 
@@ -141,6 +143,7 @@ class Ground(Profile):
 
     def __init__(self, layers: list[Layer], bit: Bit, speed: Profile, duration: float, *,
                  start: float = 0.0, seed: int = 0, scale: float = 1.0):
+        self.layers = tuple(layers)
         # 10 ms: several times below the PPRV's lag. Long runs get a coarser grid.
         count = int(min(max(duration / 0.01, 100.0), 500_000.0))
         self.time = np.linspace(0.0, duration, count + 1)

@@ -58,6 +58,11 @@ class LoadProfile:
         self._torque, self._command = torque, command
         self.notes = notes + (self._limits() if torque is not None else ())
 
+    @property
+    def torque_profile(self) -> Profile | None:
+        """The torque that is asked for; None where the command is given."""
+        return self._torque
+
     def pprv_command(self, t: float) -> float:
         """Return the PPRV command at ``t`` (s), V."""
         if self._command is not None:

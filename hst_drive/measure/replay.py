@@ -26,6 +26,9 @@ SIGNALS: tuple[str, ...] = (
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
 _SLOW = 1.0     # s: slower parts of the unexplained torque are taken as they are
 _DRAWS = 3
+# rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
+# second its size still is.
+_STANDSTILL, _CREEPING = 0.1, 0.5
 
 
 class Prediction(NamedTuple):
@@ -99,6 +102,7 @@ class Replay:
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
+        self._turning = np.abs(self._speed) > _STANDSTILL
         rest = self._unexplained(drive)
         name = self.torque
         noise = min(self._signal_noise(name, self.run[name], drive),
@@ -154,7 +158,7 @@ class Replay:
     def _unexplained(self, drive: Drive) -> np.ndarray:
         model = drive.load_torque(self.run.time, self.inputs['pprv_command'], self._speed,
                                   self.inputs['oil_temperature'])
-        return self._measured - model
+        return np.where(self._turning, self._measured - model, 0.0)
 
     def _slow(self, values: np.ndarray) -> np.ndarray:
         # Three running means: as good as a Gaussian here, at a cost that does not grow with width.
@@ -236,9 +240,9 @@ class Replay:
                                  self.start(drive))
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
-            signals[self.torque] = drive.load_torque(
+            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, drive.load_torque(
                 self.run.time, self.inputs['pprv_command'], self._speed,
-                self.inputs['oil_temperature'])
+                self.inputs['oil_temperature']), signals[self.torque])
         return Prediction({name: signals[name] for name in self.signals}, disturbance)
 
     def floor(self, drive: Drive, seed: int = 0) -> dict[str, float]:

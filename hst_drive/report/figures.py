@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import LogComparison
 from hst_drive.measure.run import CHANNELS
 from hst_drive.units import difference_from_si, from_si
+import numpy as np
 
 # Okabe and Ito's colours, told apart by colour-blind readers.
 MEASURED, MODEL, RESIDUAL = '#000000', '#D55E00', '#0072B2'
@@ -20,7 +19,7 @@ def _pyplot():
     try:
         import matplotlib
     except ImportError:
-        raise InputError("matplotlib is not installed; plots need it: "
+        raise InputError('matplotlib is not installed; plots need it: '
                          "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
     matplotlib.use('Agg')
     from matplotlib import pyplot

@@ -104,7 +104,7 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
     speed_scale = flow_scale / torque_scale
     chosen = catalogue.resolve(effects or {}, np.random.default_rng([seed, 2]),
                                (torque_scale, flow_scale, speed_scale))
-    flat = {name: 0.0 for name in catalogue.parameters()}
+    flat = dict.fromkeys(catalogue.parameters(), 0.0)
     flat.update({f'f_{name}': 0.0 for name in catalogue.ALL})
     for name, one in chosen.items():
         flat.update(one['si_parameters'])
