@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Measured campaigns: made by an independent truth generator, and the samples where present."""
+from functools import cache
 from pathlib import Path
 
 from hst_drive.bag import read_log
@@ -21,12 +22,10 @@ def compared(folder):
 
 @pytest.fixture(scope='module')
 def samples():
-    """Return the comparison of a sample campaign by name."""
+    """Return what gives the comparison of a sample campaign by its name."""
     if not SAMPLES.is_dir():
         pytest.skip('the sample campaigns are not here')
-    known = {}
-    return lambda name: known.setdefault(name, None) or known.__setitem__(
-        name, compared(SAMPLES / name)) or known[name]
+    return cache(lambda name: compared(SAMPLES / name))
 
 
 def test_an_independent_rig_without_an_effect(tmp_path):
