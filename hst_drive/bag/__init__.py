@@ -1,22 +1,39 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings on disk: CSV files, rosbag2 folders and MCAP files; all of it works without ROS."""
+"""
+Recordings on disk: CSV files, rosbag2 folders and MCAP files; all of it works without ROS.
+
+What handles MCAP is imported on use: ROS 2 for Ubuntu 24.04 has no package of the ``mcap``
+library, and the nodes and CSV files do without it.
+"""
 from __future__ import annotations
 
+from importlib import import_module
 import os
 from pathlib import Path
 
 from hst_drive.bag.channels import ChannelMap, load_channel_map
 from hst_drive.bag.csv_log import read_csv, write_csv
-from hst_drive.bag.mcap_bag import is_mcap
-from hst_drive.bag.recovery import recover
-from hst_drive.bag.signals import read_bag
-from hst_drive.bag.writer import BagWriter, write_run
+from hst_drive.bag.kinds import is_mcap
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
 __all__ = ['BagWriter', 'ChannelMap', 'load_channel_map', 'read_bag', 'read_csv', 'read_log',
            'recover', 'write_csv', 'write_run']
+_ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
+           'recover': 'recovery'}
+
+
+def __getattr__(name: str):
+    if name not in _ON_USE:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    try:
+        return getattr(import_module(f'{__name__}.{_ON_USE[name]}'), name)
+    except ModuleNotFoundError as error:
+        if error.name.partition('.')[0] not in ('mcap', 'lz4', 'zstandard'):
+            raise
+        raise InputError(f"the Python package '{error.name}' is missing; bags need it: 'pip "
+                         "install mcap' (CSV logs work without)") from None
 
 
 def read_log(path: str | os.PathLike[str],
@@ -45,7 +62,7 @@ def read_log(path: str | os.PathLike[str],
     try:
         if path.is_dir() or path.suffix in ('.mcap', '.db3') and path.stat().st_size \
                 or is_mcap(path):
-            return read_bag(path, channel_map)
+            return __getattr__('read_bag')(path, channel_map)
     except OSError as error:
         raise InputError(f'{path}: cannot be read: {error.strerror}') from None
     return read_csv(path, channel_map)

@@ -17,6 +17,7 @@ import struct
 from typing import BinaryIO, NamedTuple
 import zlib
 
+from hst_drive.bag.kinds import MCAP_MAGIC as MAGIC
 from hst_drive.errors import InputError
 import lz4.frame
 from mcap.data_stream import ReadDataStream
@@ -27,7 +28,6 @@ from mcap.records import Channel, Schema
 from mcap.summary import Summary
 import zstandard
 
-MAGIC = b'\x89MCAP0\r\n'
 _RECORD = struct.Struct('<BQ')
 _MESSAGE = struct.Struct('<HIQQ')
 _CHUNK = struct.Struct('<QQQII')
@@ -58,12 +58,6 @@ class Extent(NamedTuple):
 
     messages: int
     seconds: float
-
-
-def is_mcap(path: Path) -> bool:
-    """Tell whether a file begins as an MCAP file does."""
-    with open(path, 'rb') as file:
-        return file.read(len(MAGIC)) == MAGIC
 
 
 def is_finished(path: Path) -> bool:

@@ -10,7 +10,8 @@ import sqlite3
 from typing import Any
 
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.mcap_bag import cut_error, is_finished, is_mcap, read_streams, Stream
+from hst_drive.bag.kinds import is_mcap
+from hst_drive.bag.mcap_bag import cut_error, is_finished, read_streams, Stream
 from hst_drive.errors import InputError
 import yaml
 
