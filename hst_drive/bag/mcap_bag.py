@@ -17,7 +17,7 @@ import struct
 from typing import BinaryIO, NamedTuple
 import zlib
 
-from hst_drive.bag.kinds import MCAP_MAGIC as MAGIC
+from hst_drive.bag.kinds import is_mcap, MCAP_MAGIC as MAGIC
 from hst_drive.errors import InputError
 import lz4.frame
 from mcap.data_stream import ReadDataStream
