@@ -8,6 +8,7 @@ from copy import deepcopy
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.rig.identity import digest
+from hst_drive.rig.schema import TOLERANCES
 
 SCHEMA = 'hst_drive/diagnosis/1'
 
@@ -57,9 +58,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
     adopted['effects'] = {**(rig.get('effects') or {}),
                           **{name: _values(entry, source) for name, entry in zip(names, effects)}}
     factors = dict(rig.get('calibration') or {})
-    for entry in diagnosis.get('calibration', []):
-        key = entry['quantity']
-        factors[key] = float(f'{factors.get(key, 1.0) * entry["factor"]:.8g}')
+    for key, factor in _factors(diagnosis, source).items():
+        factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
     adopted['calibration'] = factors
     past = list((rig.get('provenance') or {}).get('adopted', []))
     adopted['provenance'] = {'adopted': [*past, _provenance(diagnosis, source, names, effects)]}
@@ -72,10 +72,31 @@ def _values(entry: dict, source: str) -> dict[str, float]:
         raise InputError(f"{source}: effect '{name}' is not in the catalogue; see "
                          "'hst-drive effects'")
     try:
-        return {str(key): float(value['value']) for key, value in entry['parameters'].items()}
+        values = {str(key): float(value['value']) for key, value in entry['parameters'].items()}
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
                          'diagnosis again') from None
+    known = [parameter.name for parameter in catalogue()[name].parameters]
+    for key in values:
+        if key not in known:
+            raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "
+                             f'{", ".join(known)}')
+    return values
+
+
+def _factors(diagnosis: dict, source: str) -> dict[str, float]:
+    """Return the factor on each quantity by which the unit is off its datasheet."""
+    try:
+        factors = {entry['quantity']: float(entry['factor'])
+                   for entry in diagnosis.get('calibration', [])}
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{source}: key 'calibration' is not a list of quantities with factors; "
+                         'write the diagnosis again') from None
+    for key in factors:
+        if key not in TOLERANCES:
+            raise InputError(f"{source}: key 'calibration' names '{key}'; known: "
+                             f'{", ".join(TOLERANCES)}')
+    return factors
 
 
 def _provenance(diagnosis: dict, source: str, names: list[str], effects: list[dict]) -> dict:

@@ -1,0 +1,216 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Adoption: from the JSON of a diagnosis to a rig that the drive runs with, and refusals."""
+import copy
+import json
+
+from hst_drive import cli
+from hst_drive.diagnose.adopt import adopt
+from hst_drive.errors import InputError
+from hst_drive.model import Drive
+from hst_drive.model.parameters import INDEX
+from hst_drive.resources import share
+from hst_drive.rig import default_rig, load_rig
+from hst_drive.rig.identity import digest
+from hst_drive.rig.load import read_yaml
+import pytest
+import yaml
+
+RIG = share('config', 'rig', 'test_rig.yaml')
+FOUND = {'stribeck_friction': {'torque': (13.0, 11.5, 14.5, 'N.m'),
+                               'speed': (3.7, 3.2, 4.4, 'rad/s')},
+         'pump_lag': {'time_constant': (0.081, 0.078, 0.084, 's')}}
+
+
+def diagnosis(rig=RIG):
+    """Return a diagnosis of a rig as 'diagnose --json' writes it."""
+    return {
+        'schema': 'hst_drive/diagnosis/1', 'verdict': 'missing_effect', 'sentence': '...',
+        'rig': 'drill drive test rig', 'rig_digest': load_rig(rig).digest, 'logs': ['a.csv'],
+        'effects': [{'id': name, 'error_removed': 0.5, 'indistinguishable_from': ['viscous_drag'],
+                     'parameters': {key: dict(zip(('value', 'low', 'high', 'unit'), numbers))
+                                    for key, numbers in parameters.items()}}
+                    for name, parameters in FOUND.items()],
+        'holdout': {'before': {'motor_speed': 8.3}, 'after': {'motor_speed': 1.1}},
+        'calibration': [{'quantity': 'motor.leakage', 'factor': 1.05, 'sigmas': 0.6,
+                         'at_limit': False}],
+    }
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Return the file of a diagnosis of the shipped rig."""
+    path = tmp_path / 'diagnosis.json'
+    path.write_text(json.dumps(diagnosis()))
+    return path
+
+
+def run(capsys, *arguments):
+    """Return exit code, standard output and standard error."""
+    code = cli.main(['adopt', *map(str, arguments)])
+    return code, *capsys.readouterr()
+
+
+def refused(capsys, *arguments):
+    """Return the one line with which wrong input is refused."""
+    code, out, err = run(capsys, *arguments)
+    assert code == 2 and not out
+    assert err.count('\n') == 1 and 'Traceback' not in err
+    return err
+
+
+def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
+    """File to file: the drive has the effects, the unit's calibration, and nothing else new."""
+    target = tmp_path / 'rig.yaml'
+    code, out, err = run(capsys, written, '-o', target)
+    assert code == 0 and not err
+    assert 'stribeck_friction: torque = 13, speed = 3.7' in out
+    adopted = load_rig(target)
+    drive, plain = Drive(adopted), Drive(default_rig())
+    assert drive.effects == {'stribeck_friction': {'torque': 13.0, 'speed': 3.7},
+                             'pump_lag': {'time_constant': 0.081}}
+    for name, place in INDEX.items():
+        factor = 1.05 if name == 'motor_leakage_scale' else 1.0
+        assert drive.parameters[place] == pytest.approx(factor * plain.parameters[place]), name
+    past, = adopted.provenance['adopted']
+    assert past['diagnosis'] == str(written) and past['logs'] == ['a.csv']
+    assert past['intervals_95_percent']['stribeck_friction']['torque'] == [11.5, 14.5, 'N.m']
+    assert past['indistinguishable_from']['pump_lag'] == ['viscous_drag']
+
+
+def test_adopting_twice_is_refused(written, tmp_path, capsys):
+    """The second time the effect is there already; the file of the first stays as it is."""
+    target = tmp_path / 'rig.yaml'
+    run(capsys, written, '-o', target)
+    before = target.read_bytes()
+    said = refused(capsys, written, '--rig', target, '-o', tmp_path / 'twice.yaml')
+    assert "'stribeck_friction' is adopted already" in said and str(target) in said
+    assert target.read_bytes() == before and not (tmp_path / 'twice.yaml').exists()
+
+
+@pytest.mark.parametrize('change', [
+    ('displacement_cc_rev: 195', 'displacement_cc_rev: 196'),
+    ('area_m2: 1.6e-05', 'area_m2: 1.7e-05'),
+    ('tolerances_1_sigma_relative: {motor.displacement: 0.004',
+     'tolerances_1_sigma_relative: {motor.displacement: 0.005')])
+def test_another_rig_is_refused(written, tmp_path, capsys, change):
+    """A number that differs makes another rig."""
+    other = tmp_path / 'other.yaml'
+    text = RIG.read_text()
+    assert change[0] in text
+    other.write_text(text.replace(*change))
+    said = refused(capsys, written, '--rig', other, '-o', tmp_path / 'rig.yaml')
+    assert str(other) in said and 'is not the rig that was diagnosed' in said
+    assert not (tmp_path / 'rig.yaml').exists()
+
+
+def test_the_same_rig_under_another_name_is_accepted(written, tmp_path, capsys):
+    """Names, comments, order and the way in which a number is written do not count."""
+    content = read_yaml(RIG)
+    content['name'] = 'ours'
+    content['motor']['displacement_cc_rev'] = 195.0
+    same = tmp_path / 'same.yaml'
+    same.write_text('# ours\n' + yaml.safe_dump(content, sort_keys=True))
+    assert load_rig(same).digest == default_rig().digest
+    assert run(capsys, written, '--rig', same, '-o', tmp_path / 'rig.yaml')[0] == 0
+
+
+def test_a_second_diagnosis_is_added_to_the_first(tmp_path):
+    """Effects, calibration and provenance of both are in the rig."""
+    first = adopt(read_yaml(RIG), diagnosis(), 'first.json', 'rig.yaml')
+    second = diagnosis()
+    second['rig_digest'] = digest(first)
+    second['effects'] = [{'id': 'back_pressure', 'error_removed': 0.9, 'parameters': {
+        'outlet_pressure': {'value': 3e5, 'low': 2e5, 'high': 4e5, 'unit': 'Pa'}}}]
+    second['calibration'] = [{'quantity': 'motor.leakage', 'factor': 1.1},
+                             {'quantity': 'motor.inertia', 'factor': 0.9}]
+    both = adopt(first, second, 'second.json', 'first.yaml')
+    assert list(both['effects']) == ['stribeck_friction', 'pump_lag', 'back_pressure']
+    assert both['calibration'] == {'motor.leakage': pytest.approx(1.05 * 1.1),
+                                   'motor.inertia': pytest.approx(0.9)}
+    assert [entry['diagnosis'] for entry in both['provenance']['adopted']] == [
+        'first.json', 'second.json']
+    assert 'back_pressure' not in first['effects']
+
+
+def test_the_diagnosed_rig_is_not_overwritten(tmp_path, capsys):
+    """Both files are wanted: one to compare with the other."""
+    own, found = tmp_path / 'own.yaml', tmp_path / 'diagnosis.json'
+    own.write_text(RIG.read_text())
+    found.write_text(json.dumps(diagnosis(own)))
+    assert 'choose another name' in refused(capsys, found, '--rig', own, '-o', own)
+    assert own.read_text() == RIG.read_text()
+
+
+def without_effects(content):
+    content.update(effects=[], verdict='none')
+
+
+def foreign_effect(content):
+    content['effects'][0]['id'] = 'moon_phase'
+
+
+def no_value(content):
+    content['effects'][0]['parameters']['torque'] = {'value': None}
+
+
+def foreign_parameter(content):
+    content['effects'][0]['parameters']['weight'] = {'value': 1.0}
+
+
+def foreign_quantity(content):
+    content['calibration'][0]['quantity'] = 'motor.colour'
+
+
+def no_factor(content):
+    del content['calibration'][0]['factor']
+
+
+BAD = {
+    'another schema': (lambda content: content.update(schema='hst_drive/comparison/1'),
+                       "key 'schema' is 'hst_drive/comparison/1'"),
+    'no effects': (lambda content: content.pop('effects'), "key 'effects'"),
+    'nothing found': (without_effects, "is 'none' and names no effect"),
+    'an effect that is not known': (foreign_effect, "effect 'moon_phase' is not in the catalogue"),
+    'a value that is missing': (no_value, "effect 'stribeck_friction' has no readable"),
+    'a parameter that is not known': (foreign_parameter, "has no parameter 'weight'"),
+    'a quantity that is not known': (foreign_quantity, 'motor.colour'),
+    'no factor': (no_factor, "key 'calibration'"),
+    'calibration as a text': (lambda content: content.update(calibration='x'),
+                              "key 'calibration'"),
+}
+
+
+@pytest.mark.parametrize('case', BAD)
+def test_bad_diagnoses(tmp_path, capsys, case):
+    """One line that names the file, and nothing is written."""
+    change, expected = BAD[case]
+    content = copy.deepcopy(diagnosis())
+    change(content)
+    path = tmp_path / 'bad.json'
+    path.write_text(json.dumps(content))
+    assert expected in refused(capsys, path, '-o', tmp_path / 'rig.yaml')
+    assert not (tmp_path / 'rig.yaml').exists()
+
+
+@pytest.mark.parametrize('text, expected', [
+    ('', 'is not JSON'), ('{"schema":', 'is not JSON'), ('[1]', "key 'schema'"),
+    ('\xff\xfe', 'is not JSON')])
+def test_what_is_no_diagnosis(tmp_path, capsys, text, expected):
+    """An empty file, a cut one, a list, no text at all."""
+    path = tmp_path / 'bad.json'
+    path.write_bytes(text.encode('latin-1'))
+    said = refused(capsys, path, '-o', tmp_path / 'rig.yaml')
+    assert expected in said and str(path) in said
+
+
+def test_without_a_file(tmp_path, capsys):
+    """Not there; a rig that is not there."""
+    assert 'cannot be read' in refused(capsys, tmp_path / 'no.json', '-o', tmp_path / 'rig.yaml')
+    assert '-o' in refused(capsys, tmp_path / 'no.json')
+
+
+def test_an_error_of_the_rig_file_names_the_rig_file():
+    """Refusals at the level of the library are of the kind that the command line prints."""
+    with pytest.raises(InputError, match='ours.yaml: is not the rig'):
+        adopt({'motor': {}}, diagnosis(), 'd.json', 'ours.yaml')
