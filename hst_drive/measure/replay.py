@@ -26,6 +26,7 @@ SIGNALS: tuple[str, ...] = (
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
 _SLOW = 1.0     # s: slower parts of the unexplained torque are taken as they are
 _DRAWS = 3
+_STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
 _STANDSTILL, _CREEPING = 0.1, 0.5
@@ -53,6 +54,8 @@ class Replay:
     ----------
     signals : tuple of str
         Measured signals that the model gives, too.
+    stamps : float
+        How well time stamps and steps of the load are known, s.
     noise : dict of str to float
         White noise of each signal, SI, estimated from the record.
     roughness : Coloured
@@ -72,12 +75,14 @@ class Replay:
                              'whole drive needs pump_command and pprv_command; name the foreign '
                              'column with --channels')
         self.run = run
+        self.stamps = _STAMPS
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
                              f'{", ".join(SIGNALS)}')
         time = run.time
         self.inputs = {name: _filled(run[name], hold=True) for name in INPUTS}
+        self._parts = self._subdivision(drive)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
             temperature = np.full(len(time), drive.rig.characterised_at)
@@ -99,6 +104,39 @@ class Replay:
                     self._speed = self._modelled_speed(drive)
                     self._correct(drive)
         self._refine_noise(drive)
+
+    def _subdivision(self, drive: Drive) -> int:
+        """
+        Return how many steps of the controller lie between two samples.
+
+        A slow record does not show each command: a straight line between the recorded ones is
+        nearer to what the drive got than holding the older one.
+        """
+        period = drive.rig.controller.sample_time if drive.rig.controller else 0.01
+        parts = int(round(self.run.sample_time / period))
+        if parts < 2:
+            return 1
+        self.stamps = 0.3 * self.run.sample_time
+        return parts
+
+    def _finer(self, values: np.ndarray) -> np.ndarray:
+        """Return values at the steps between the samples, too."""
+        if self._parts == 1:
+            return values
+        n = len(values)
+        return np.interp(np.arange((n - 1) * self._parts + 1) / self._parts, np.arange(n), values)
+
+    def _load_model(self, drive: Drive) -> np.ndarray:
+        return drive.load_torque(*(self._finer(values) for values in (
+            self.run.time, self.inputs['pprv_command'], self._speed,
+            self.inputs['oil_temperature'])))[::self._parts]
+
+    def _simulate(self, drive: Drive, disturbance: np.ndarray) -> dict[str, np.ndarray]:
+        inputs = {**self.inputs, 'load_disturbance': disturbance}
+        signals = drive.simulate(
+            self._finer(self.run.time),
+            {name: self._finer(values) for name, values in inputs.items()}, self.start(drive))
+        return {name: values[::self._parts] for name, values in signals.items()}
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
@@ -122,8 +160,7 @@ class Replay:
                 ) / motor.displacement
 
     def _modelled_speed(self, drive: Drive) -> np.ndarray:
-        inputs = {**self.inputs, 'load_disturbance': self.disturbance(drive)}
-        return drive.simulate(self.run.time, inputs, self.start(drive))['motor_speed']
+        return self._simulate(drive, self.disturbance(drive))['motor_speed']
 
     def _refine_noise(self, drive: Drive) -> None:
         """
@@ -156,9 +193,7 @@ class Replay:
         return max(noise_std(values), self._step(name, drive))
 
     def _unexplained(self, drive: Drive) -> np.ndarray:
-        model = drive.load_torque(self.run.time, self.inputs['pprv_command'], self._speed,
-                                  self.inputs['oil_temperature'])
-        return np.where(self._turning, self._measured - model, 0.0)
+        return np.where(self._turning, self._measured - self._load_model(drive), 0.0)
 
     def _slow(self, values: np.ndarray) -> np.ndarray:
         # Three running means: as good as a Gaussian here, at a cost that does not grow with width.
@@ -236,13 +271,11 @@ class Replay:
         """
         disturbance = self.disturbance(drive)
         total = disturbance if extra is None else disturbance + extra
-        signals = drive.simulate(self.run.time, {**self.inputs, 'load_disturbance': total},
-                                 self.start(drive))
+        signals = self._simulate(drive, total)
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
-            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, drive.load_torque(
-                self.run.time, self.inputs['pprv_command'], self._speed,
-                self.inputs['oil_temperature']), signals[self.torque])
+            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING,
+                                            self._load_model(drive), signals[self.torque])
         return Prediction({name: signals[name] for name in self.signals}, disturbance)
 
     def floor(self, drive: Drive, seed: int = 0) -> dict[str, float]:
@@ -251,10 +284,17 @@ class Replay:
 
         Sensor noise, and what the part of the load torque that the smoothing misses does to the
         replay: draws of that part are replayed. Where no torque is measured the roughness of the
-        load is not known, and the floor is the sensor noise.
+        load is not known; then what varies faster than about a second and is coloured counts as
+        its work.
 
         """
         floor = {name: self.noise[name]**2 for name in self.signals}
+        if not self.can_correct:
+            given = self.predict(drive).signals
+            for name in self.signals:
+                rest = _filled(self.run[name] - given[name])
+                floor[name] += estimate_coloured(self.run.time, rest - self._slow(rest),
+                                                 self.noise[name]).std**2
         if self.can_correct and self.roughness.std > 0:
             base = self.predict(drive).signals
             random = np.random.default_rng(seed)
