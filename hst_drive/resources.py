@@ -18,7 +18,7 @@ def share(*parts: str) -> Path:
     Parameters
     ----------
     parts : str
-        Path below the share folder, such as ``'config', 'rigs'``; none gives the folder itself.
+        Path below the share folder, such as ``'config', 'rig'``; none gives the folder itself.
 
     Returns
     -------

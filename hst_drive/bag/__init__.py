@@ -19,9 +19,9 @@ from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
 __all__ = ['BagWriter', 'ChannelMap', 'load_channel_map', 'read_bag', 'read_csv', 'read_log',
-           'recover', 'write_csv', 'write_run']
+           'recover', 'recover_command', 'write_csv', 'write_run']
 _ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
-           'recover': 'recovery'}
+           'recover': 'recovery', 'recover_command': 'mcap_bag'}
 
 
 def __getattr__(name: str):

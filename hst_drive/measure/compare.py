@@ -2,17 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """A model beside measurements: errors by signal and where they sit."""
 from __future__ import annotations
+
 import math
 from typing import NamedTuple, Sequence
 
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
+from hst_drive.measure.balances import is_part
 from hst_drive.measure.errors import ErrorSummary, summarise
 from hst_drive.measure.noise import noise_std
+from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
+from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
 import numpy as np
 
 _LONGEST_DELAY = 0.1    # s
@@ -37,16 +42,21 @@ class Comparison(NamedTuple):
     logs: list[LogComparison]
 
 
-def compare(drive: Drive, runs: Sequence[Run], *, closed_loop: bool = False) -> Comparison:
+def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
+    """Return the model that the logs can be compared with: the whole drive or a part of it."""
+    return PartModel(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
+
+
+def compare(drive: Drive | PartModel, runs: Sequence[Run], *, closed_loop: bool = False) -> Comparison:
     """
     Replay recordings through a model and judge it.
 
     Parameters
     ----------
-    drive : Drive
-        The model.
+    drive : Drive or PartModel
+        The model (``model_of``).
     runs : sequence of Run
-        Recordings of the whole drive.
+        Recordings of what it models.
     closed_loop : bool
         Let the rig's PI controller command the pump instead of the recorded command; the
         command is then compared, too. Needs 'speed_setpoint'.
@@ -58,8 +68,12 @@ def compare(drive: Drive, runs: Sequence[Run], *, closed_loop: bool = False) -> 
 
     """
     logs, floors, variables = [], [], []
+    if closed_loop and isinstance(drive, PartModel):
+        raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
+                         'out')
     for run in runs:
-        replay = Replay(run, drive)
+        replay = PartReplay(run, drive) if isinstance(drive, PartModel) else Replay(run, drive)
+        run = replay.run
         model = dict(replay.predict(drive).signals)
         floor = replay.floor(drive)
         noise = dict(replay.noise)

@@ -25,6 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
+_LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 
 
 class DriveNode(Node):
@@ -185,7 +186,8 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
             executor.spin_once(timeout_sec=0.0 if node.gather else 0.1)
             if node.gather and node.handled == handled:
                 time.sleep(node.gather)
-        while rclpy.ok() and node.drain():
+        end = time.monotonic() + _LONGEST_DRAIN
+        while rclpy.ok() and node.drain() and time.monotonic() < end:
             executor.spin_once(timeout_sec=0.05)
         code = node.exit_code or 0
     except (KeyboardInterrupt, ExternalShutdownException):

@@ -7,14 +7,18 @@ from bisect import bisect_right
 import math
 import sys
 import time
+from typing import TYPE_CHECKING
 
+from hst_drive import bag
 from hst_drive.bag.topics import Qos
-from hst_drive.bag.writer import BagWriter
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.endpoints import message_class, qos_profile, stamp_of, topic_named
 from hst_drive.nodes.parameters import Parameter
+
+if TYPE_CHECKING:
+    from hst_drive.bag import BagWriter
 
 _DEPTH = 2000
 _QUIET = 0.3   # s without a message after which nothing is under way any more
@@ -62,7 +66,7 @@ class Recorder(DriveNode):
         self.gather = GATHER if self.lockstep else 0.0
         self._last_message = time.monotonic()
         notes = dict(note.split('=', 1) for note in settings['notes'] if '=' in note)
-        self._bag = BagWriter(settings['output'], custom_data=notes)
+        self._bag = bag.BagWriter(settings['output'], custom_data=notes)
 
     def activate(self) -> None:
         """Begin to look for publishers."""
@@ -96,9 +100,9 @@ class Recorder(DriveNode):
             return
         # In lockstep, commands may be there for steps that never came.
         self._write(self._reached if self.lockstep else math.inf)
-        bag, self._bag = self._bag, None
-        bag.close()
-        print(f'recorded {bag.message_count}', flush=True)
+        written, self._bag = self._bag, None
+        written.close()
+        print(f'recorded {written.message_count}', flush=True)
 
     def _subscribe_found(self) -> None:
         for name in self._order:

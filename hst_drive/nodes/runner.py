@@ -8,8 +8,7 @@ import shutil
 import signal
 import time
 
-from hst_drive.bag import read_log
-from hst_drive.bag.mcap_bag import recover_command
+from hst_drive import bag
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 from hst_drive.nodes.plan import Plan
@@ -38,11 +37,12 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
     Raises
     ------
     InputError
-        If a node refuses its parameters.
+        If a node refuses its parameters, or bags cannot be written here.
     RunFailed
         If a node dies; the bag is closed.
 
     """
+    _ = bag.BagWriter   # says what to install where bags cannot be written
     signals: list[int] = []
     progress = {'time': 0.0, 'wall': 0.0, 'messages': 0}
     before = {number: signal.signal(number, lambda got, _: signals.append(got))
@@ -78,7 +78,7 @@ def _hear(progress: dict, name: str, line: str) -> None:
 def _fail(plan: Plan, died: NodeDied, progress: dict) -> None:
     folder, kept = plan.output, ''
     if folder.is_dir() and not (folder / 'metadata.yaml').is_file():
-        kept = f'; the bag was cut off, save it with: {recover_command(folder)}'
+        kept = f'; the bag was cut off, save it with: {bag.recover_command(folder)}'
     elif folder.is_dir() and not progress['messages']:
         shutil.rmtree(folder)   # made by this very run, and nothing in it
     elif folder.is_dir():
@@ -101,7 +101,7 @@ def _figures(plan: Plan, progress: dict, interrupted: bool) -> dict:
         return {**result, 'bag': None}
     if plan.closed_loop:
         try:
-            result['speed'] = speed_held(read_log(plan.output))
+            result['speed'] = speed_held(bag.read_log(plan.output))
         except InputError:
             pass   # ended so early that there are not two samples
     return result

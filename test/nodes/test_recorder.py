@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The recorder on its own, with publishers that are not ours."""
 from collections import Counter
+import os
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
 
-from .processes import environment, messages, node, PATIENCE, wait_for
+from .processes import alive, environment, messages, node, PATIENCE, run, wait_for
 
 pytest.importorskip('rclpy')
 TOPICS = [f'/rig/imu_{number}' for number in range(10)]
@@ -82,3 +83,48 @@ def test_it_refuses_a_folder_that_exists(tmp_path):
         text=True)
     assert done.returncode == 2
     assert 'exists already' in done.stderr and 'Traceback' not in done.stderr
+
+
+def test_it_ends_while_others_go_on_publishing(tmp_path):
+    """Ctrl-C on the recorder alone: the rig does not stop for it."""
+    bag = tmp_path / 'bag'
+    with node('plant', '-p', 'rate:=50.0') as plant:
+        with node('recorder', '-p', f'output:={bag}', '-p', 'topics:=[/drive/motor]'):
+            wait_for(lambda: any(path.stat().st_size > 5000 for path in bag.glob('*.mcap')))
+        assert alive(plant.pid)
+    assert len(messages(bag)) > 20
+
+
+@pytest.fixture
+def without_mcap(tmp_path, monkeypatch):
+    """Hide the libraries that a sourced ROS 2 of Ubuntu does not have, from child processes."""
+    for name in ('mcap', 'lz4', 'zstandard'):
+        (tmp_path / 'hidden' / name).mkdir(parents=True)
+        (tmp_path / 'hidden' / name / '__init__.py').write_text(
+            f'raise ModuleNotFoundError("No module named {name}", name={name!r})\n')
+    monkeypatch.setattr('test.nodes.processes.TREE', os.pathsep.join(
+        [str(tmp_path / 'hidden'), environment()['PYTHONPATH']]))
+
+
+@pytest.mark.usefixtures('without_mcap')
+def test_without_the_library_for_bags(tmp_path):
+    """One line says what to install; nothing is started."""
+    code, out, err = run('run', 'paper_step', '-o', str(tmp_path / 'bag'))
+    assert code == 2 and not out and 'pip install mcap' in err
+    assert 'Traceback' not in err and not (tmp_path / 'bag').exists()
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.recorder', '--ros-args', '-p',
+         f'output:={tmp_path}/bag'], env=environment(), timeout=PATIENCE, capture_output=True,
+        text=True)
+    assert done.returncode == 2
+    assert 'pip install mcap' in done.stderr and 'Traceback' not in done.stderr
+
+
+@pytest.mark.usefixtures('without_mcap')
+def test_the_nodes_can_be_loaded_without_it():
+    """Plant and the rest work with ROS 2's own recorder."""
+    names = ', '.join(f'hst_drive.nodes.{name}' for name in (
+        'plant', 'controller', 'estimator', 'load_profile', 'recorder'))
+    done = subprocess.run([sys.executable, '-c', f'import {names}'], env=environment(),
+                          timeout=PATIENCE, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
