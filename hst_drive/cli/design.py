@@ -1,0 +1,147 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verb ``design``: the next test, for effects that the logs cannot tell apart.
+
+Takes the rivals from a diagnosis, or from --effects, and writes a load and command profile of at
+most two minutes within the rig's limits, for 'hst-drive run' or the nodes load_profile and
+controller. Chosen is the test in which the rivals come out furthest apart after each has been
+fitted to the other, the unit's tolerances included. Where no test will do, it names the sensor.
+"""
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from hst_drive.cli.common import add_rig_argument, rig_of
+from hst_drive.cli.output import add_json_argument, say, table, write_json, write_text
+from hst_drive.errors import InputError
+from hst_drive.units import from_si
+
+if TYPE_CHECKING:
+    from hst_drive.diagnose.design import Design
+
+HELP = 'write the test that separates effects which the logs cannot'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument('diagnosis', metavar='DIAGNOSIS.json', nargs='?',
+                        help="what 'diagnose --json' wrote")
+    parser.add_argument('-o', '--output', metavar='SCENARIO.yaml',
+                        help='scenario file to write (default: show the advice only)')
+    add_rig_argument(parser)
+    parser.add_argument('--effects', metavar='A,B',
+                        help='tell these apart (default: what the diagnosis could not)')
+    parser.add_argument('--duration', metavar='S', type=float, default=120.0,
+                        help='longest test, 20 to 120 s (default: 120)')
+    parser.add_argument('--closed-loop', action='store_true',
+                        help='let the controller hold the speed (default: give its commands)')
+    add_json_argument(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Design and say what to expect."""
+    import yaml
+
+    from hst_drive.cli.adopt import read_json
+    from hst_drive.cli.diagnose import progress_line
+    from hst_drive.diagnose.design import design
+    from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis
+    from hst_drive.diagnose.trials import limits
+
+    wanted = [name.strip() for name in args.effects.split(',') if name.strip()] \
+        if args.effects is not None else None
+    if args.diagnosis is None and wanted is None:
+        raise InputError('DIAGNOSIS.json or --effects: expected at least one of the two')
+    rig = rig_of(args)
+    if args.diagnosis is None:
+        rivals = by_name(wanted, rig.sensors)
+    else:
+        diagnosis = read_json(args.diagnosis)
+        rivals = of_diagnosis(diagnosis, args.diagnosis, wanted)
+        if rivals is not None and diagnosis.get('rig_digest') not in (None, rig.digest):
+            raise InputError(f'{rig.source or rig.name}: is not the rig that was diagnosed '
+                             f"({diagnosis.get('rig')}); give that one with --rig")
+    if rivals is None:
+        print(f"{args.diagnosis}: the verdict is '{diagnosis.get('verdict')}' and nothing in it "
+              'is ambiguous: there is nothing to separate (--effects A,B asks for two)')
+        return 0
+    limits(rig)
+    result = design(rig, matched(rig, rivals), rivals.channels, duration=args.duration,
+                    closed_loop=args.closed_loop, progress=progress_line())
+    if args.json != '-':
+        print(text(result, args.output))
+    if args.output and result.advice != 'neither':
+        write_text(yaml.safe_dump(result.content, sort_keys=False, default_flow_style=None,
+                                  width=99), args.output)
+    elif args.output:
+        say(f'{args.output}: not written; no test would separate them')
+    if args.json:
+        write_json(as_json(result, args.output), args.json)
+    return 0
+
+
+def text(result: Design, output: str | None) -> str:
+    """Return the advice for a terminal."""
+    rivals = ', '.join(' + '.join(names) for names in result.rivals)
+    lines = [f'to tell apart: {rivals}', '', sentence(result), '']
+    if result.advice != 'neither':
+        lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
+        if output:
+            lines += [f"written to {output}; play it with 'hst-drive run {output}', then "
+                      'diagnose its recording together with the first logs']
+        lines += ['', 'what remains between the model of one and the fit of the other:',
+                  _differences(result)]
+    if result.options:
+        lines += ['', 'expected significance of the worst pair with one more sensor:', table(
+            ['channel', 'sigma'], sorted(result.options.items(), key=lambda item: -item[1]))]
+    return '\n'.join(lines)
+
+
+def sentence(result: Design) -> str:
+    """Return the advice in a sentence or two."""
+    reached = f'{result.significance:.1f} sigma expected for the worst pair'
+    if result.advice == 'profile':
+        return f'A test with the sensors that are there separates them ({reached}).'
+    alone = f'No test within the limits is enough ({result.without_sensor:.1f} sigma)'
+    if result.advice == 'sensor':
+        return f'{alone}; add a sensor for {result.sensor}: any test then separates them ' \
+               f'({reached}).'
+    if result.advice == 'both':
+        return f'{alone}; add a sensor for {result.sensor} and play this test ({reached}).'
+    return f'{alone}, and no sensor that could be added changes that: these effects look the ' \
+           'same on this rig. Treat them as one, or measure the part itself.'
+
+
+def _differences(result: Design) -> str:
+    from hst_drive.measure.run import CHANNELS
+
+    rows = []
+    for pair in result.pairs:
+        names = (' + '.join(result.rivals[pair.truth]), ' + '.join(result.rivals[pair.rival]))
+        signal = max(pair.differences, key=lambda name: pair.differences[name].floors)
+        found, unit = pair.differences[signal], CHANNELS[signal].display
+        rows.append([*names, signal, f'{from_si(found.rms, unit):.3g}',
+                     f'{from_si(found.largest, unit):.3g}', unit, f'{found.floors:.1f}',
+                     f'{pair.significance:.1f}'])
+    return table(['if it is', 'and not', 'shows in', 'rms', 'largest', 'unit', 'times the noise',
+                  'sigma'], rows)
+
+
+def as_json(result: Design, output: str | None) -> dict:
+    """Return the design in the form of schema hst_drive/design/1 (SI)."""
+    return {
+        'schema': 'hst_drive/design/1', 'advice': result.advice, 'sentence': sentence(result),
+        'separates': result.rivals, 'significance': result.significance,
+        'significance_without_sensor': result.without_sensor, 'sensor': result.sensor or None,
+        'sensor_options': result.options, 'duration': result.trial.duration,
+        'what': result.trial.words,
+        'scenario_file': output if result.advice != 'neither' else None,
+        'scenario': result.content,
+        'pairs': [{'if': result.rivals[pair.truth], 'not': result.rivals[pair.rival],
+                   'significance': pair.significance,
+                   'differences': {name: found._asdict()
+                                   for name, found in pair.differences.items()}}
+                  for pair in result.pairs],
+    }

@@ -1,0 +1,171 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The explanations that a test has to tell apart, from a diagnosis or by name."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+import math
+from typing import Iterable, NamedTuple, Sequence
+
+from hst_drive.diagnose.adopt import SCHEMA
+from hst_drive.diagnose.campaign import Campaign, Model, neutral, typical
+from hst_drive.diagnose.fit import fit
+from hst_drive.diagnose.rehearse import rehearse
+from hst_drive.diagnose.separation import driver, recorded, SHARE, within_limits
+from hst_drive.diagnose.trials import plain_drilling, scenario
+from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.load.scenario import parse_scenario
+from hst_drive.rig import Rig
+
+_MOST = 6
+
+
+class Rivals(NamedTuple):
+    """
+    Explanations of the same logs.
+
+    ``models`` holds the sizes where they are known; ``channels`` the recorded signals.
+    """
+
+    names: tuple[tuple[str, ...], ...]
+    models: tuple[Model | None, ...]
+    channels: tuple[str, ...]
+
+
+def by_name(names: Sequence[str], channels: Iterable[str] = (),
+            beside: Model | None = None) -> Rivals:
+    """
+    Return single effects as rivals.
+
+    Parameters
+    ----------
+    names : sequence of str
+        At least two effects.
+    channels : sequence of str
+        Recorded signals.
+    beside : Model, optional
+        What else the drive has; its sizes are kept.
+
+    Raises
+    ------
+    InputError
+        If an effect is not known, or there are fewer than two.
+
+    """
+    for name in names:
+        if name not in catalogue():
+            near = get_close_matches(name, catalogue(), n=1)
+            hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+            raise InputError(f"--effects: unknown effect '{name}'; {hint}")
+    names = tuple(dict.fromkeys(names))
+    if len(names) < 2:
+        raise InputError('--effects: expected at least two effects to tell apart, with commas '
+                         'between them')
+    beside = beside or Model()
+    others = tuple(name for name in beside.effects if name not in names)
+    models = [beside if name in beside.effects else None for name in names]
+    return Rivals(tuple((*others, name) for name in names), tuple(models), tuple(channels))
+
+
+def of_diagnosis(diagnosis: dict, source: str,
+                 wanted: Sequence[str] | None = None) -> Rivals | None:
+    """
+    Return the rivals that a diagnosis left, None if it left none.
+
+    Parameters
+    ----------
+    diagnosis : dict
+        What ``diagnose --json`` wrote.
+    source : str
+        Its file, for messages.
+    wanted : sequence of str, optional
+        Tell these effects apart instead.
+
+    Raises
+    ------
+    InputError
+        If this is no diagnosis, or an effect is not known.
+
+    """
+    if not isinstance(diagnosis, dict) or diagnosis.get('schema') != SCHEMA:
+        found = diagnosis.get('schema') if isinstance(diagnosis, dict) else None
+        raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "
+                         "file that 'hst-drive diagnose --json' wrote")
+    try:
+        channels = tuple(diagnosis['errors']['before'])
+        factors = {entry['quantity']: math.log(entry['factor'])
+                   for entry in diagnosis.get('calibration', ())}
+        effects = {entry['id']: {key: float(value['value'])
+                                 for key, value in entry['parameters'].items()}
+                   for entry in diagnosis['effects']}
+        groups = {entry['id']: tuple(entry.get('indistinguishable_from', ()))
+                  for entry in diagnosis['effects']}
+        fitted = [Model(dict(entry), factors)
+                  for entry in (diagnosis.get('next_test') or {}).get('models', ())]
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise InputError(f"{source}: has no readable 'effects' and 'errors'; write the diagnosis "
+                         'again') from None
+    strange = [name for name in (*effects, *(entry for group in groups.values()
+                                             for entry in group)) if name not in catalogue()]
+    if strange:
+        raise InputError(f"{source}: effect '{strange[0]}' is not in the catalogue; see "
+                         "'hst-drive effects'")
+    best = Model(effects, factors)
+    if wanted:
+        return by_name(wanted, channels, best)
+    sets = [tuple(effects)]
+    for name, group in groups.items():
+        sets += [tuple(entry for entry in effects if entry != name) + (rival,) for rival in group]
+    if len(sets) < 2:
+        return None
+    known = {frozenset(model.effects): model for model in (*fitted, best)}
+    sets = sets[:_MOST]
+    return Rivals(tuple(sets), tuple(known.get(frozenset(entry)) for entry in sets), channels)
+
+
+def told_apart(models: Sequence[Model]) -> tuple[str, ...]:
+    """Return the effects that not all explanations share."""
+    shared = set.intersection(*(set(model.effects) for model in models))
+    return tuple(dict.fromkeys(name for model in models for name in model.effects
+                               if name not in shared))
+
+
+def matched(rig: Rig, rivals: Rivals) -> list[Model]:
+    """
+    Return the rivals with sizes that look alike on a plain drilling log.
+
+    The first whose sizes are known, else the first at its typical size, makes the log that the
+    others are fitted to.
+    """
+    lead = next((model for model in rivals.models if model is not None), None) or Model(
+        {name: typical(name) for name in rivals.names[0]})
+    lead = Model(lead.effects, within_limits(lead.factors, rig.tolerances))
+    campaign, models = None, []
+    for names, model in zip(rivals.names, rivals.models):
+        if model is None and tuple(names) == tuple(lead.effects):
+            model = lead
+        if model is None:
+            campaign = campaign or _drilling(rig, lead, rivals.channels)
+            start = Model({name: lead.effects.get(name, typical(name)) for name in names},
+                          lead.factors)
+            effects = fit(campaign, start, iterations=3).model.effects
+            # One that could not take the other's place at all keeps its typical size.
+            model = Model({name: values if _matters(name, values) else typical(name)
+                           for name, values in effects.items()})
+        models.append(Model(model.effects, lead.factors))
+    return models
+
+
+def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
+    content = scenario(plain_drilling(60.0), rig, False)
+    played = rehearse(driver(rig, model), parse_scenario(
+        content, LoadingUnit.of(rig.loading)), 0)
+    return Campaign(rig, [recorded(played, channels)])
+
+
+def _matters(name: str, values: dict[str, float]) -> bool:
+    usual, none = typical(name), neutral(name)
+    return any(abs(value - none[key]) > 2 * SHARE * abs(usual[key] - none[key])
+               for key, value in values.items() if usual[key] != none[key])

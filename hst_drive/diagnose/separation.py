@@ -1,0 +1,213 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How well a test would tell rival explanations apart.
+
+Expected: linearised, from one rehearsal. Of the difference between two rivals that part counts
+which neither the second one's own parameters nor the unit's tolerances can take up. Verified:
+every rival in turn makes a noisy record, all are fitted to it, and the rules of a diagnosis
+judge.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Iterable, NamedTuple, Sequence
+
+from hst_drive.diagnose.campaign import BLOCK, Campaign, Model
+from hst_drive.diagnose.fit import SIGMAS, Unknowns
+from hst_drive.diagnose.rehearse import INPUTS, rehearse
+from hst_drive.diagnose.search import Search
+from hst_drive.load.scenario import Scenario
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive
+from hst_drive.rig import Rig
+import numpy as np
+from scipy.optimize import lsq_linear
+
+SHARE = 0.03            # of the held-out squared error: less does not tell models apart
+_HELD_OUT = 1 / 3       # share of the blocks that will judge
+_INDEPENDENT = 20.0     # independent samples in a block of noise
+_MOST = 99.0
+
+
+class Difference(NamedTuple):
+    """A predicted difference of one signal: rms (SI), in floors, and the largest (SI)."""
+
+    rms: float
+    floors: float
+    largest: float
+
+
+class Pair(NamedTuple):
+    """What tells ``rival`` from ``truth``: expected significance (sigma) and differences."""
+
+    truth: int
+    rival: int
+    significance: float
+    differences: dict[str, Difference]
+
+
+@dataclass
+class _Part:
+    """One signal: rows in time, block of each row, one over its floor and the weights."""
+
+    signal: str
+    blocks: np.ndarray
+    floor: float
+    thin: float
+    shifts: np.ndarray      # (models, rows) reading of each model, in floors
+    factors: np.ndarray     # (rows, factors)
+    own: list[np.ndarray]   # per model (rows, parameters)
+
+
+class Rehearsal:
+    """
+    A scenario rehearsed with one model, and what the others would do to its signals.
+
+    Parameters
+    ----------
+    rig : Rig
+        Baseline.
+    scenario : Scenario
+        The test.
+    models : sequence of Model
+        The rivals; they share their factors of the unit.
+    seed : int
+        Of noise and roughness.
+
+    """
+
+    def __init__(self, rig: Rig, scenario: Scenario, models: Sequence[Model], seed: int):
+        self.models = tuple(models)
+        run = rehearse(driver(rig, models[0]), scenario, seed)
+        self.highest = float(np.nanmax(run['pump_outlet_pressure']))
+        campaign = Campaign(rig, [run])
+        self.unknowns = [Unknowns(campaign, model) for model in models]
+        self.vectors = [unknowns.pack(model) for unknowns, model in zip(self.unknowns, models)]
+        count = self.unknowns[0].factors
+        base = campaign.errors(models[0])
+        moved = [campaign.errors(model) if place else base for place, model in enumerate(models)]
+        factors = [self._derivative(campaign, 0, k, base) for k in range(count)]
+        own = [[self._derivative(campaign, place, k, moved[place])
+                for k in range(count, len(self.vectors[place]))]
+               for place in range(len(models))]
+        self.parts = []
+        for index, column in enumerate(campaign.columns):
+            rows = np.sort(np.concatenate([column.fit, column.judge]))
+            trust = column.trust[rows]
+
+            def taken(errors, index=index, rows=rows, trust=trust):
+                return errors[index][rows] * trust
+
+            time = campaign.replays[0].run.time
+            self.parts.append(_Part(
+                column.signal, ((time[rows] - time[0]) / BLOCK).astype(int),
+                1.0 / column.scale, campaign.thinning(column),
+                np.array([taken(errors) for errors in moved]),
+                np.array([taken(entry) for entry in factors]).T,
+                [np.array([taken(entry) for entry in group]).T if group
+                 else np.zeros((len(rows), 0)) for group in own]))
+
+    def _derivative(self, campaign: Campaign, place: int, k: int, base) -> list[np.ndarray]:
+        unknowns, vector = self.unknowns[place], self.vectors[place].copy()
+        step = 0.5 if k < unknowns.factors else 0.1 * max(abs(vector[k]), 0.3)
+        step = -step if vector[k] + step > unknowns.high[k] else step
+        vector[k] += step
+        return [(there - here) / step
+                for there, here in zip(campaign.errors(unknowns.unpack(vector)), base)]
+
+    def pair(self, truth: int, rival: int, channels: Iterable[str]) -> Pair:
+        """Return what would tell a rival from the truth with these channels."""
+        chosen = [part for part in self.parts if part.signal in set(channels)]
+        unknowns, vector = self.unknowns[rival], self.vectors[rival]
+        count = len(vector)
+        normal, gradient = np.zeros((count, count)), np.zeros(count)
+        for part in chosen:
+            columns = np.hstack([part.factors, part.own[rival]]) * part.thin
+            normal += columns.T @ columns
+            gradient += columns.T @ (part.shifts[rival] - part.shifts[truth]) * part.thin
+        prior = np.zeros(count)
+        prior[:unknowns.factors] = 1.0
+        gradient += prior * vector
+        root = np.linalg.cholesky(normal + np.diag(prior) + np.diag(1e-9 * np.diag(normal) + 1e-9))
+        move = lsq_linear(root.T, np.linalg.solve(root, -gradient),
+                          (unknowns.low - vector - 1e-9, unknowns.high - vector + 1e-9)).x
+        energy, sigmas, differences = 0.0, [0.0], {}
+        for part in chosen:
+            left = (part.shifts[rival] - part.shifts[truth] + np.hstack(
+                [part.factors, part.own[rival]]) @ move)
+            energy += float(left @ left) * part.thin**2
+            count = np.bincount(part.blocks)
+            blocks = (np.bincount(part.blocks, left**2) / np.maximum(count, 1))[count > 0]
+            sigmas.append(expected_sigma(blocks))
+            rms = float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
+            differences[part.signal] = Difference(
+                rms * part.floor, rms, float(np.max(np.abs(left), initial=0.0)) * part.floor)
+        return Pair(truth, rival, float(min(max(sigmas), np.sqrt(energy), _MOST)), differences)
+
+    def pairs(self, channels: Iterable[str]) -> list[Pair]:
+        """Return all ordered pairs."""
+        channels = tuple(channels)
+        return [self.pair(truth, rival, channels) for truth in range(len(self.models))
+                for rival in range(len(self.models)) if rival != truth]
+
+
+def expected_sigma(blocks: np.ndarray) -> float:
+    """
+    Return the significance that held-out blocks would give, as ``judge.gain`` forms it.
+
+    Parameters
+    ----------
+    blocks : ndarray, shape (blocks,)
+        Mean squared difference of the models in each block, in squared floors.
+
+    """
+    held = max(len(blocks) * _HELD_OUT, 3.0)
+    spread = np.abs(blocks - np.median(blocks))
+    limit = 4 * np.median(spread) * 1.48 + 0.1
+    clipped = np.clip(blocks, None, np.median(blocks) + limit)
+    noise = 4 * clipped.mean() / _INDEPENDENT
+    error = np.sqrt((clipped.var() + noise) / held) + 1e-9
+    share = blocks.mean() / (1.0 + blocks.mean())
+    return float(min(clipped.mean() / error, _MOST) * min(share / (2 * SHARE), 1.0))
+
+
+def driver(rig: Rig, model: Model) -> Drive:
+    """Return a drive with a model's effects and factors."""
+    drive = Drive(rig, model.effects, max_step=5e-3)
+    drive.scale({key: float(np.exp(value)) for key, value in model.factors.items()})
+    return drive
+
+
+def recorded(run: Run, channels: Iterable[str]) -> Run:
+    """Return what a rig with these channels would have recorded."""
+    kept = {*channels, *INPUTS}
+    return replace(run, channels={name: values for name, values in run.channels.items()
+                                  if name in kept})
+
+
+def verify(rig: Rig, scenario: Scenario, models: Sequence[Model], channels: Iterable[str],
+           seed: int) -> float:
+    """
+    Return the significance of the worst pair when all rivals are fitted to noisy records.
+
+    Each rival makes a record in turn; the unit's factors are free, as in a diagnosis.
+    """
+    channels, worst = tuple(channels), _MOST
+    for truth, model in enumerate(models):
+        run = recorded(rehearse(driver(rig, model), scenario, seed + truth), channels)
+        search = Search(Campaign(rig, [run]), [])
+        fitted = search.try_all([(tuple(entry.effects), entry) for entry in models], '')
+        best = fitted[truth]
+        for rival in fitted[:truth] + fitted[truth + 1:]:
+            found = search.gain(rival, best)
+            sigma = max((found.sigma[name] for name in found.share
+                         if found.share[name] >= SHARE), default=0.0)
+            worst = min(worst, sigma, np.sqrt(max(rival.score - best.score, 0.0)))
+    return float(max(worst, 0.0))
+
+
+def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:
+    """Return a unit's factors (natural logarithms) held within their limits."""
+    return {key: float(np.clip(value, -SIGMAS * tolerances[key], SIGMAS * tolerances[key]))
+            for key, value in factors.items() if key in tolerances}

@@ -1,0 +1,274 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Tests that a rig can play: load and command profiles within its limits.
+
+A trial is a row of segments, each of a family (load steps at several speeds, standstill under
+load, ...) with parameters drawn from a seed, and becomes a scenario that ``load_profile`` and
+``controller`` play.
+"""
+from __future__ import annotations
+
+from typing import Callable, NamedTuple
+
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.rig import Rig
+from hst_drive.units import from_si
+import numpy as np
+
+LONGEST = 120.0         # s
+SPIN_UP = 3.0           # s, lightly loaded, before the first segment
+MARGIN = 0.8            # of the relief valve's set pressure: what steady load may ask for
+_STEP = 0.02            # s: shortest ramp, so that times rise
+_WARMING = 15.0         # K either side of the temperature at which the tables were measured
+
+
+class Limits(NamedTuple):
+    """Speeds (rad/s) and PPRV commands (V) between which a trial stays; 0 speed is standstill."""
+
+    slow: float
+    fast: float
+    light: float
+    heavy: float
+
+
+class Segment(NamedTuple):
+    """Family, seed of its parameters and duration (s)."""
+
+    family: str
+    seed: int
+    duration: float
+
+
+class Trial(NamedTuple):
+    """Segments one after the other, at constant oil temperature or while it warms up."""
+
+    segments: tuple[Segment, ...]
+    warming: bool = False
+
+    @property
+    def duration(self) -> float:
+        """Of the whole, s."""
+        return SPIN_UP + sum(segment.duration for segment in self.segments)
+
+    @property
+    def words(self) -> str:
+        """The trial for people."""
+        told = ', then '.join(dict.fromkeys(WORDS[part.family] for part in self.segments))
+        return told + (f', while the oil warms up by {2 * _WARMING:.0f} K' if self.warming else '')
+
+
+def limits(rig: Rig) -> Limits:
+    """
+    Return what a rig can do with a margin to its relief valve, pump and tables.
+
+    Raises
+    ------
+    InputError
+        If the rig lacks a section.
+
+    """
+    rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
+                purpose='the design of a test')
+    pump, motor = rig.pump, rig.motor
+    pressure = MARGIN * rig.relief_valve.set_pressure
+    sensor = rig.sensors.get('pump_outlet_pressure')
+    if sensor and sensor.range:
+        pressure = min(pressure, 0.95 * sensor.range[1])
+    flow = 0.85 * float(pump.displacement(rig.controller.output_limits[1])) * pump.shaft_speed
+    fast = min(flow / motor.displacement, float(motor.leakage.y[-1]))
+    torque = motor.displacement * pressure * float(motor.mechanical_efficiency(pressure, fast))
+    unit = LoadingUnit.of(rig.loading)
+    commands = np.linspace(unit.command[0], unit.command[-1], 101)
+    fitting = [value for value in commands if unit.torque_of_command(value, fast) <= torque]
+    light = float(commands[0])
+    return Limits(0.08 * fast, fast, light, float(max(fitting, default=light)))
+
+
+Knots = list[tuple[float, float]]
+
+
+class _Pen:
+    """Draws speed and load over time: goes to a value and stays there."""
+
+    def __init__(self):
+        self.time = 0.0
+        self.speed: Knots = []
+        self.load: Knots = []
+
+    def go(self, speed: float, load: float, stay: float, ramp: float = _STEP) -> None:
+        """Go to speed and load within ``ramp`` and stay until ``stay`` (s) are over."""
+        for knots, value in ((self.speed, speed), (self.load, load)):
+            knots.append((self.time + ramp, value))
+            knots.append((self.time + max(stay, ramp + _STEP), value))
+        self.time += max(stay, ramp + _STEP) + _STEP
+
+
+def _spread(random: np.random.Generator, low: float, high: float, count: int) -> np.ndarray:
+    """Return values over a range, one in each of its equal parts, in random order."""
+    places = (np.arange(count) + random.uniform(0.0, 1.0, count)) / count
+    return low + (high - low) * random.permutation(places)
+
+
+def _load_steps(pen, random, bounds, duration):
+    speeds = _spread(random, bounds.slow, bounds.fast, int(random.integers(2, 6)))
+    for speed in speeds:
+        count = max(int(duration / len(speeds) / random.uniform(1.5, 4.0)), 1)
+        for load in _spread(random, bounds.light, bounds.heavy, count):
+            pen.go(speed, load, duration / len(speeds) / count, 0.05)
+
+
+def _speed_ramps(pen, random, bounds, duration):
+    count = int(random.integers(1, 4))
+    for load in _spread(random, bounds.light, bounds.heavy, count):
+        for speed in (bounds.slow, bounds.fast):
+            pen.go(speed, load, duration / count / 2, duration / count / 2 - 0.1)
+
+
+def _load_ramps(pen, random, bounds, duration):
+    count = int(random.integers(1, 4))
+    for speed in _spread(random, bounds.slow, bounds.fast, count):
+        for load in (bounds.heavy, bounds.light):
+            pen.go(speed, load, duration / count / 2, duration / count / 2 - 0.1)
+
+
+def _reversals(pen, random, bounds, duration):
+    centres = _spread(random, 0.25 * bounds.fast, 0.85 * bounds.fast, 2)
+    loads = _spread(random, bounds.light, 0.6 * bounds.heavy, 2)
+    end = pen.time + duration
+    for part, (centre, load) in enumerate(zip(centres, loads)):
+        swing = random.uniform(0.02, 0.15) * bounds.fast
+        period = random.uniform(0.5, 4.0)
+        ramp = period * random.choice([0.05, 0.45])
+        while pen.time < end - duration * (1 - part) / 2 - period:
+            pen.go(centre + swing, load, period / 2, ramp)
+            pen.go(centre - swing, load, period / 2, ramp)
+
+
+def _fast_steps(pen, random, bounds, duration):
+    end = pen.time + duration
+    while pen.time < end - 0.5:
+        pen.go(random.uniform(0.15, 1.0) * bounds.fast,
+               bounds.light + random.uniform(0.0, 0.6) * (bounds.heavy - bounds.light),
+               min(random.uniform(0.6, 2.5), end - pen.time))
+
+
+def _creeping(pen, random, bounds, duration):
+    count = max(int(duration / random.uniform(2.0, 5.0)), 1)
+    speeds = _spread(random, 0.3 * bounds.slow, 3 * bounds.slow, count)
+    for speed, load in zip(speeds, _spread(random, bounds.light, 0.6 * bounds.heavy, count)):
+        pen.go(speed, load, duration / count, 0.3)
+
+
+def _unloaded(pen, random, bounds, duration):
+    count = max(int(duration / random.uniform(2.0, 6.0)), 1)
+    for speed in _spread(random, bounds.slow, bounds.fast, count):
+        pen.go(speed, bounds.light, duration / count, 0.3)
+
+
+def _standstill(pen, random, bounds, duration):
+    count = max(int(duration / random.uniform(8.0, 12.0)), 1)
+    for load in _spread(random, bounds.light, 0.6 * bounds.heavy, count):
+        pen.go(random.uniform(0.3, 0.7) * bounds.fast, load, 0.4 * duration / count, 0.5)
+        pen.go(0.0, load, 0.6 * duration / count, random.uniform(0.3, 1.5))
+
+
+def _drilling(pen, random, bounds, duration):
+    count = max(int(duration / 5.0), 2)
+    for load in _spread(random, bounds.light, 0.6 * bounds.heavy, count):
+        pen.go(0.55 * bounds.fast, load, duration / count)
+
+
+FAMILIES: dict[str, Callable] = {
+    'load_steps': _load_steps, 'speed_ramps': _speed_ramps, 'load_ramps': _load_ramps,
+    'reversals': _reversals, 'fast_steps': _fast_steps, 'creeping': _creeping,
+    'unloaded': _unloaded, 'standstill': _standstill,
+}
+_DRAWN = {**FAMILIES, 'drilling': _drilling}     # the last is what everybody has recorded
+WORDS: dict[str, str] = {
+    'drilling': 'load steps at one speed',
+    'load_steps': 'load steps at several speeds', 'speed_ramps': 'speed ramps at constant load',
+    'load_ramps': 'load ramps at constant speed',
+    'reversals': 'reversals of the command about an operating point',
+    'fast_steps': 'quick steps of speed and load', 'creeping': 'very low speeds under load',
+    'unloaded': 'several speeds without load', 'standstill': 'runs that end at standstill',
+}
+
+
+def plain_drilling(duration: float) -> Trial:
+    """Return what everybody has recorded."""
+    return Trial((Segment('drilling', 0, duration - SPIN_UP),))
+
+
+def scenario(trial: Trial, rig: Rig, closed_loop: bool, title: str = 'Test') -> dict:
+    """Return a trial as the mapping of a scenario file."""
+    bounds = limits(rig)
+    pen = _Pen()
+    pen.speed.append((0.0, 0.0))
+    pen.load.append((0.0, bounds.light))
+    pen.go(0.4 * bounds.fast, bounds.light, SPIN_UP - _STEP, 2.0)
+    start = SPIN_UP
+    for segment in trial.segments:
+        pen.time = max(pen.time, start)
+        _DRAWN[segment.family](pen, np.random.default_rng(segment.seed), bounds,
+                               segment.duration)
+        start += segment.duration
+    base = float(from_si(rig.characterised_at, 'degC'))
+    content: dict = {
+        'title': title, 'description': f'{trial.words[0].upper()}{trial.words[1:]}.',
+        'mode': 'closed_loop' if closed_loop else 'open_loop',
+        'duration_s': round(trial.duration, 2)}
+    speed, load = _tidy(pen.speed, start), _tidy(pen.load, start)
+    if closed_loop:
+        content['speed_setpoint'] = _ramps(
+            speed, 'speed_rpm', lambda time, value: from_si(value, 'rpm'), 2)
+    else:
+        command = _commands(rig, load)
+        content['pump_command'] = _ramps(speed, 'command_V', command, 3)
+    content['pprv_command'] = _ramps(load, 'command_V', lambda time, value: value, 3)
+    content['oil_temperature'] = {
+        'kind': 'ramps', 'time_s': [0, round(trial.duration, 2)],
+        'temperature_degC': [round(base - _WARMING, 2), round(base + _WARMING, 2)],
+    } if trial.warming else {'temperature_degC': round(base, 2)}
+    return content
+
+
+def _tidy(knots: Knots, end: float) -> Knots:
+    """Drop what lies beyond the end, and knots on a level between others."""
+    kept: Knots = []
+    for time, value in knots:
+        if kept and time <= kept[-1][0] + 1e-3 or time > end + 1e-9:
+            continue
+        if len(kept) > 1 and kept[-1][1] == value == kept[-2][1]:
+            kept.pop()
+        kept.append((round(float(time), 3), float(value)))
+    return kept
+
+
+def _ramps(knots: Knots, key: str, convert: Callable[[float, float], float],
+           digits: int) -> dict:
+    return {'kind': 'ramps', 'time_s': [time for time, _ in knots],
+            key: [round(float(convert(time, value)), digits) for time, value in knots]}
+
+
+def _commands(rig: Rig, load: Knots) -> Callable[[float, float], float]:
+    """Return the pump command (V) that gives a speed (rad/s) under the load at that time."""
+    pump, motor, unit = rig.pump, rig.motor, LoadingUnit.of(rig.loading)
+    table = pump.displacement
+    rising = np.concatenate([np.diff(table.y) > 0, [True]])
+    times, values = zip(*load)
+
+    def command(time: float, speed: float) -> float:
+        if speed <= 0.0:
+            return rig.controller.output_limits[0]
+        torque = unit.torque_of_command(float(np.interp(time, times, values)), speed)
+        pressure, asked = torque / motor.displacement, 0.0
+        for _ in range(8):
+            pressure = torque / (motor.displacement * max(
+                float(motor.mechanical_efficiency(pressure, speed)), 0.1))
+            flow = (motor.displacement * speed + float(motor.leakage(pressure, speed))
+                    + float(pump.leakage(pressure, asked)))
+            asked = float(np.interp(flow / pump.shaft_speed, table.y[rising], table.x[rising]))
+        return float(np.clip(asked, *rig.controller.output_limits))
+
+    return command
