@@ -35,15 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Compare and print."""
-    from hst_drive.measure.compare import compare
-    from hst_drive.model import Drive
+    from hst_drive.measure.compare import compare, model_of
 
     rig = rig_of(args)
     runs = read_logs(args.logs, args.channels)
     for entry in runs:
         for note in entry.notes:
             say(f'{entry.name}: {note}')
-    result = compare(Drive(rig), runs, closed_loop=args.closed_loop)
+    result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop)
     # With the JSON on standard output, nothing else may stand there.
     if args.json != '-':
         print(text(result))

@@ -27,7 +27,6 @@ MAX_STEP = 5e-3         # s; halving it moves no reading by more than a tenth of
 BLOCK = 2.0             # s; errors further apart than this count as independent
 EVENTS = 0.07           # share of the blocks that single events may spoil
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
-STAMPS = 1e-3           # s: how well time stamps and steps of the load are known
 _START = 3.0            # s within which a drive may still break away from standstill
 _CAVITATING = 0.3e5     # Pa gauge
 _AFTER = 1.0            # s that the ringing after either takes
@@ -90,17 +89,49 @@ class Campaign:
 
     """
 
+    block = BLOCK
+    events = EVENTS
+    searched: tuple[str, ...] = ('always',)
+    advice = ("run 'hst-drive design' with this diagnosis: it writes the load and command "
+              'profile, or names the sensor, that separates them')
+
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         self.rig = rig
-        self.drive = Drive(rig, max_step=MAX_STEP)
+        self.drive = self._model()
         self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
-        self.replays = [Replay(run, self.drive) for run in (*runs, *holdout)]
+        self.replays = [self._replay(run) for run in (*runs, *holdout)]
         self.floors = [replay.floor(self.drive) for replay in self.replays]
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._weights = [self._weigh(replay, index, len(runs), bool(holdout))
                          for index, replay in enumerate(self.replays)]
         self.columns = self._layout()
+
+    def _model(self):
+        return Drive(self.rig, max_step=MAX_STEP)
+
+    def _replay(self, run: Run):
+        return Replay(run, self.drive)
+
+    def candidates(self) -> list[str]:
+        """Return the effects that these logs may be searched for."""
+        return [name for name, effect in catalogue().items()
+                if name not in self.rig.effects and effect.searched in self.searched]
+
+    def out_of_reach(self, name: str) -> str:
+        """Say why the channels cannot show an effect; empty if they can."""
+        channels = catalogue()[name].shows_in
+        if channels and not set(self.signals) & set(channels):
+            return f'needs one of the channels {", ".join(channels)}'
+        return ''
+
+    def typical(self, name: str) -> dict[str, float]:
+        """Return parameters of an effect to start from."""
+        return typical(name)
+
+    def scatter(self, name: str) -> float:
+        """Return how far the squared noise ratio of a perfect model may be off by chance."""
+        return 0.0
 
     @staticmethod
     def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:
@@ -137,7 +168,7 @@ class Campaign:
                 floor = self.floors[index][name]
                 moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0),
                                                        1.5), replay.run.time)
-                trust = 1.0 / np.sqrt(1.0 + (STAMPS * moving / floor)**2)
+                trust = 1.0 / np.sqrt(1.0 + (replay.stamps * moving / floor)**2)
                 columns.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                       np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
         return columns
@@ -193,7 +224,7 @@ class Campaign:
         ratios = {}
         for name, squares in self.blocks(errors, held_out).items():
             squares = np.sort(squares[np.isfinite(squares)])
-            kept = squares[:len(squares) - int(np.ceil(EVENTS * len(squares)))]
+            kept = squares[:len(squares) - int(np.ceil(self.events * len(squares)))]
             if len(kept):
                 ratios[name] = float(np.sqrt(kept.mean()))
         return ratios
@@ -201,7 +232,7 @@ class Campaign:
     def blocks(self, errors: Sequence[np.ndarray], held_out: bool = True) -> dict[
             str, np.ndarray]:
         """
-        Return the mean squared error of each block of ``BLOCK`` seconds, by signal.
+        Return the mean squared error of each block of ``block`` seconds, by signal.
 
         Returns
         -------
@@ -212,7 +243,7 @@ class Campaign:
         """
         numbers, total = [], 0
         for replay in self.replays:
-            number = ((replay.run.time - replay.run.time[0]) / BLOCK).astype(int)
+            number = ((replay.run.time - replay.run.time[0]) / self.block).astype(int)
             numbers.append(number + total)
             total += int(number[-1]) + 1
         result = {}

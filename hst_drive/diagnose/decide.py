@@ -11,6 +11,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.observable import visibility
+from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.search import Candidate, Search
@@ -48,8 +49,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
 
     """
     progress('calibrating the unit')
-    campaign = Campaign(rig, runs, holdout)
-    names = [name for name in catalogue() if name not in rig.effects]
+    campaign = campaign_of(rig, runs, holdout)
+    names = campaign.candidates()
     search = Search(campaign, [], progress)
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
@@ -77,13 +78,14 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in hidden and entry.id not in best.names},
         calibration=_calibration(campaign, best.fit), unknown=remaining,
-        next_test=_next_test(effects) if ambiguous else None,
+        next_test=_next_test(effects, campaign.advice) if ambiguous else None,
         rivals=_why_lost(search, best, rivals), rig=rig.source or rig.name,
         rig_digest=rig.digest, logs=tuple(run.source for run in (*runs, *holdout)))
 
 
 def _unit(effect: str, key: str) -> str:
-    return next(entry.unit for entry in catalogue()[effect].parameters if entry.name == key)
+    parameters = catalogue(everything=True)[effect].parameters
+    return next(entry.unit for entry in parameters if entry.name == key)
 
 
 def _excess(ratios: dict[str, float]) -> float:
@@ -200,12 +202,11 @@ def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 
 
-def _next_test(effects: Sequence[Found]) -> NextTest | None:
+def _next_test(effects: Sequence[Found], advice: str) -> NextTest | None:
     for entry in effects:
         if entry.indistinguishable_from:
             return NextTest((entry.id, *entry.indistinguishable_from),
-                            "run 'hst-drive design' with this diagnosis: it writes the load and "
-                            'command profile, or names the sensor, that separates them')
+                            advice)
     return None
 
 

@@ -43,8 +43,10 @@ class Unknowns:
 
     def __init__(self, campaign: Campaign, model: Model):
         self.tolerances = campaign.tolerances
+        self.start = model
         self.names = (*(('', key) for key in campaign.tolerances),
-                      *((name, key) for name, values in model.effects.items() for key in values))
+                      *((name, key) for name, values in model.effects.items() for key in values
+                        if not _parameter(name, key).fixed))
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.low = np.array([low for low, _ in limits]) / self.scale
@@ -73,17 +75,19 @@ class Unknowns:
     def unpack(self, vector: np.ndarray) -> Model:
         """Return the model of a vector."""
         values = np.clip(vector, self.low, self.high) * self.scale
-        factors, effects = {}, {}
+        factors: dict[str, float] = {}
+        effects = {name: dict(values) for name, values in self.start.effects.items()}
         for (effect, key), value in zip(self.names, values):
             if effect:
-                effects.setdefault(effect, {})[key] = float(value)
+                effects[effect][key] = float(value)
             else:
                 factors[key] = float(value)
         return Model(effects, factors)
 
 
 def _parameter(effect: str, key: str):
-    return next(entry for entry in catalogue()[effect].parameters if entry.name == key)
+    parameters = catalogue(everything=True)[effect].parameters
+    return next(entry for entry in parameters if entry.name == key)
 
 
 def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
@@ -139,7 +143,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     if known is not None:
         jacobian[:, :unknowns.factors] = known
     damping = 1e-6
-    for _ in range(iterations):
+    for _ in range(iterations if count else 0):
         which = free if known is not None else list(range(count))
         jacobian[:, which] = differences(campaign, unknowns, vector, errors, which)
         step_taken = False

@@ -9,7 +9,7 @@ narrow. A share of the effect's own size is added for its functional form.
 """
 from __future__ import annotations
 
-from hst_drive.diagnose.campaign import BLOCK, Campaign
+from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit, Unknowns
 import numpy as np
 from scipy.stats import norm
@@ -40,6 +40,8 @@ def intervals(campaign: Campaign, fitted: Fit,
     vector = unknowns.pack(fitted.model)
     deviation = np.hypot(deviation, _FORM * np.abs(vector) * (
         np.arange(count) >= unknowns.factors))
+    # What moves nothing is not known at all.
+    deviation[~jacobian.any(axis=0)] = np.inf
     width = norm.ppf(0.5 + level / 2) * deviation
     low = np.maximum(vector - width, unknowns.low) * unknowns.scale
     high = np.minimum(vector + width, unknowns.high) * unknowns.scale
@@ -52,7 +54,7 @@ def _clusters(campaign: Campaign) -> list[np.ndarray]:
     start = 0
     for column in campaign.columns:
         time = campaign.replays[column.log].run.time
-        numbers = ((time[column.fit] - time[0]) / BLOCK).astype(int)
+        numbers = ((time[column.fit] - time[0]) / campaign.block).astype(int)
         if len(numbers):
             edges = np.flatnonzero(np.diff(numbers)) + 1
             for part in np.split(np.arange(len(numbers)), edges):

@@ -87,4 +87,5 @@ def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float]) -> dict[str, float]:
     """Return the signals whose held-out noise ratio is above what counts as explained."""
     return {name: ratio for name, ratio in campaign.ratios(model.errors, True).items()
-            if ratio**2 > CLEAN_RATIO**2 + (FORM_SHARE * done.get(name, 0.0))**2}
+            if ratio**2 > CLEAN_RATIO**2 + campaign.scatter(name)
+            + (FORM_SHARE * done.get(name, 0.0))**2}

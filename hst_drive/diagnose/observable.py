@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import BLOCK, Campaign, typical
+from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.effects import catalogue
@@ -54,7 +54,6 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         Effects.
 
     """
-    channels = set(campaign.signals)
     start = campaign.training(base.errors)
     factors = base.jacobian[:, :len(campaign.tolerances)]
     normal = factors.T @ factors + np.eye(factors.shape[1])
@@ -65,12 +64,12 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     found = []
     for name in names:
         effect = catalogue()[name]
-        if effect.shows_in and not channels & set(effect.shows_in):
-            found.append(Visibility(name, np.inf, 'needs one of the channels '
-                                    + ', '.join(effect.shows_in)))
+        unseen = campaign.out_of_reach(name)
+        if unseen:
+            found.append(Visibility(name, np.inf, unseen))
             continue
         size = effect.parameters[0]
-        model = base.model.with_effect(name, typical(name))
+        model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         smallest = abs(size.typical) * _smallest(move, factors, normal, room, places)
         limit = max(abs(size.low), abs(size.high))
@@ -113,7 +112,7 @@ def _places(campaign: Campaign) -> list[tuple[np.ndarray, float, int]]:
     for name, parts in places.items():
         rows = np.concatenate(parts)
         seconds = len(rows) * campaign.replays[0].run.sample_time
-        found.append((rows, thin[name], int(seconds / BLOCK)))
+        found.append((rows, thin[name], int(seconds / campaign.block)))
     return found
 
 

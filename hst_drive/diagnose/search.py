@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 import os
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign, Model, typical
+from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit
 from hst_drive.diagnose.judge import contribution, Gain, gain, unexplained, worthwhile
 import numpy as np
@@ -88,7 +88,7 @@ class Search:
         if not new:
             return [start]
         name = new[0]
-        values = typical(name)
+        values = self.campaign.typical(name)
         trials = []
         for share in (1.0, 0.3, -0.3):
             scaled = {key: value * share if place == 0 else value

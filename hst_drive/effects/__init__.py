@@ -15,17 +15,26 @@ import math
 import pkgutil
 
 from hst_drive.effects.base import arguments, Effect, Parameter, READABLE, readable, Slot, SLOTS
+from hst_drive.effects.formula import FORMULAS
 
 __all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'left_out',
            'origin', 'readable']
 
 GROUP = 'hst_drive.effects'
-_NOT_EFFECTS = ('base', 'oil')
+_NOT_EFFECTS = ('base', 'formula', 'oil')
 
 
-def catalogue() -> dict[str, Effect]:
-    """Return all effects by id, those of this package first."""
-    return _found()[0]
+def catalogue(everything: bool = False) -> dict[str, Effect]:
+    """
+    Return all effects by id, those of this package first.
+
+    Parameters
+    ----------
+    everything : bool
+        Add the formulas that stand for what has no name.
+
+    """
+    return {**_found()[0], **FORMULAS} if everything else _found()[0]
 
 
 def left_out() -> tuple[str, ...]:
@@ -66,7 +75,7 @@ def _refuse_unusable(effect: object, known: dict[str, Effect]) -> None:
     """Raise an exception unless a foreign effect fits into the drive."""
     if not isinstance(effect, Effect):
         raise TypeError(f'expected an hst_drive.effects.Effect, found {type(effect).__name__}')
-    if effect.id in known:
+    if effect.id in known or effect.id in FORMULAS:
         raise ValueError(f"there is an effect '{effect.id}' already")
     if any(slot == 'shaft_compliance' for slot, _ in effect.terms):
         raise ValueError("the drive has one flexible shaft: slot 'shaft_compliance' is taken")

@@ -87,7 +87,8 @@ class Parameter:
     A parameter of an effect, in SI.
 
     ``neutral`` switches the effect off; ``low`` and ``high`` bound what is plausible on a real
-    machine; ``typical`` is a size at which the effect matters and where a fit may start.
+    machine; ``typical`` is a size at which the effect matters and where a fit may start. A
+    ``fixed`` parameter is chosen, not fitted.
     """
 
     name: str
@@ -97,6 +98,7 @@ class Parameter:
     typical: float
     meaning: str
     neutral: float = 0.0
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,8 @@ class Effect:
         Channels of which at least one must be recorded for the effect to be seen.
     also : tuple of (str, callable)
         Further terms of the same effect, with the same parameters: slot and function.
+    searched : str
+        Where a diagnosis tries it: 'always', only in logs of a part ('parts'), or 'never'.
 
     Raises
     ------
@@ -144,12 +148,16 @@ class Effect:
     source: str
     shows_in: tuple[str, ...] = ()
     also: tuple[tuple[str, Callable[..., float]], ...] = ()
+    searched: str = 'always'
 
     def __post_init__(self):
         if not self.id.isidentifier():
             raise ValueError(f"effect '{self.id}': expected an id of letters, digits and '_'")
         if not self.parameters:
             raise ValueError(f"effect '{self.id}': expected at least one parameter, its size")
+        if self.searched not in ('always', 'parts', 'never'):
+            raise ValueError(f"effect '{self.id}': searched is {self.searched!r}, expected "
+                             "'always', 'parts' or 'never'")
         own = {parameter.name for parameter in self.parameters}
         if own & set(READABLE):
             raise ValueError(f"effect '{self.id}': parameter '{min(own & set(READABLE))}' has the "

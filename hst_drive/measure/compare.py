@@ -47,7 +47,8 @@ def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
     return PartModel(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
 
 
-def compare(drive: Drive | PartModel, runs: Sequence[Run], *, closed_loop: bool = False) -> Comparison:
+def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
+            closed_loop: bool = False) -> Comparison:
     """
     Replay recordings through a model and judge it.
 

@@ -81,20 +81,20 @@ class Replay:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
                              f'{", ".join(SIGNALS)}')
         time = run.time
-        self.inputs = {name: _filled(run[name], hold=True) for name in INPUTS}
+        self.inputs = {name: filled(run[name], hold=True) for name in INPUTS}
         self._parts = self._subdivision(drive)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
             temperature = np.full(len(time), drive.rig.characterised_at)
         # The oil's temperature is slow: its sensor's noise is not part of the motion.
         width = max(1.0 / run.sample_time, 1.0)
-        self.inputs['oil_temperature'] = gaussian_filter1d(_filled(temperature), width)
+        self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
         self.noise = {name: self._signal_noise(name, run[name], drive) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
         self.can_correct = False
         self.roughness = Coloured(0.0, 0.3, 0.0)
         if self.torque:
-            self._measured = _filled(run[self.torque])
+            self._measured = filled(run[self.torque])
             if 'motor_speed' in run or 'motor_inlet_flow' in run:
                 self._speed = self._measured_speed(drive)
                 self._correct(drive)
@@ -153,8 +153,8 @@ class Replay:
     def _measured_speed(self, drive: Drive) -> np.ndarray:
         """Return the speed (rad/s), from the flow meter if need be."""
         if 'motor_speed' in self.run:
-            return _filled(self.run['motor_speed'])
-        motor, flow = drive.rig.motor, _filled(self.run['motor_inlet_flow'])
+            return filled(self.run['motor_speed'])
+        motor, flow = drive.rig.motor, filled(self.run['motor_inlet_flow'])
         pressure = np.maximum(self._measured, 0.0) / motor.displacement
         return (flow - motor.leakage(pressure, np.abs(flow) / motor.displacement)
                 ) / motor.displacement
@@ -217,7 +217,7 @@ class Replay:
         What they do not tell is taken as settled: the speed that the first command gives, the
         pressure that the load needs.
         """
-        first = {name: float(_filled(self.run[name])[0]) for name in self.signals}
+        first = {name: float(filled(self.run[name])[0]) for name in self.signals}
         commands = {name: self.inputs[name][0] for name in INPUTS}
         state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
         motor, pump = drive.rig.motor, drive.rig.pump
@@ -292,7 +292,7 @@ class Replay:
         if not self.can_correct:
             given = self.predict(drive).signals
             for name in self.signals:
-                rest = _filled(self.run[name] - given[name])
+                rest = filled(self.run[name] - given[name])
                 floor[name] += estimate_coloured(self.run.time, rest - self._slow(rest),
                                                  self.noise[name]).std**2
         if self.can_correct and self.roughness.std > 0:
@@ -308,7 +308,7 @@ class Replay:
         return {name: float(np.sqrt(value)) for name, value in floor.items()}
 
 
-def _filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
+def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
     """Bridge NaN: the last value for commands, a straight line for signals."""
     bad = ~np.isfinite(values)
     if not bad.any():

@@ -125,7 +125,7 @@ def kernel(compiled: bool | None = None) -> Kernel:
         True compiles with numba, False runs plain Python; by default numba is used if present.
 
     """
-    effects = catalogue()
+    effects = catalogue(everything=True)
     if compiled is None:
         compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
     text, places, flags, size = generate(effects)
@@ -163,10 +163,13 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     terms = _terms(effects)
     for key, effect, _, function in terms:
         parts.append(_function_source(effect.id, function, key))
+    # Inlined, the inner functions cost half: a call hands over some forty words.
+    inner = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
+             'load_model', 'balances')
     parts.append('\n'.join(
-        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy")({name})' for name in (
-            *(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-            'load_model', 'load_record', 'balances', 'derivatives', 'simulate')))
+        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", '
+        f'forceinline={name in inner})({name})'
+        for name in (*inner, 'load_record', 'derivatives', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
     import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]

@@ -17,6 +17,31 @@ import numpy as np
 MAX_STEP = 2.5e-3   # s; halving it moves no reading by more than 1e-4 of its range
 
 
+def check_effect(rig: Rig, name: str, values: Mapping[str, float] | None) -> dict[str, float]:
+    """
+    Return all parameters of an effect; one that is left out has its typical value.
+
+    Raises
+    ------
+    InputError
+        If the effect or a parameter is not known.
+
+    """
+    effects = catalogue(everything=True)
+    if name not in effects:
+        near = get_close_matches(name, effects, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+        hint = next((line for line in left_out() if f"'{name}'" in line), hint)
+        raise InputError(f"{rig.source or 'effects'}: unknown effect '{name}'; {hint}")
+    known = {parameter.name: parameter for parameter in effects[name].parameters}
+    for key in values or {}:
+        if key not in known:
+            raise InputError(f"{rig.source or 'effects'}: effect '{name}' has no parameter "
+                             f"'{key}'; it has {', '.join(known)}")
+    return {key: float((values or {}).get(key, parameter.typical))
+            for key, parameter in known.items()}
+
+
 class Drive:
     """
     Variable pump, oil volume, relief valve, hydromotor and loading unit.
@@ -50,7 +75,7 @@ class Drive:
         self.parameters = np.zeros(self.kernel.size)
         self.parameters[:len(base)] = base
         self.switches = np.zeros(len(self.kernel.flags) + 1, dtype=np.int8)
-        for name, effect in catalogue().items():
+        for name, effect in catalogue(everything=True).items():
             for parameter in effect.parameters:
                 self.parameters[self.kernel.places[name, parameter.name]] = parameter.neutral
         for name, values in {**rig.effects, **(effects or {})}.items():
@@ -61,19 +86,7 @@ class Drive:
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
-        effects = catalogue()
-        if name not in effects:
-            near = get_close_matches(name, effects, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
-            hint = next((line for line in left_out() if f"'{name}'" in line), hint)
-            raise InputError(f"{self.rig.source or 'effects'}: unknown effect '{name}'; {hint}")
-        known = {parameter.name: parameter for parameter in effects[name].parameters}
-        for key in values or {}:
-            if key not in known:
-                raise InputError(f"{self.rig.source or 'effects'}: effect '{name}' has no "
-                                 f"parameter '{key}'; it has {', '.join(known)}")
-        chosen = {key: float((values or {}).get(key, parameter.typical))
-                  for key, parameter in known.items()}
+        chosen = check_effect(self.rig, name, values)
         for key, value in chosen.items():
             self.parameters[self.kernel.places[name, key]] = value
         self.switches[self.kernel.flags[name]] = 1

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from hst_drive.rig import Curve, Rig
+from hst_drive.rig.rig import WHOLE
 import numpy as np
 
 NAMES: tuple[str, ...] = (
@@ -34,7 +35,6 @@ SCALED: dict[str, str] = {
 TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
                            'LOAD_EFFICIENCY', 'PPRV_PRESSURE')
 INDEX: dict[str, int] = {name: index for index, name in enumerate(NAMES)}
-SECTIONS = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 
 
 def baseline_parameters(rig: Rig) -> np.ndarray:
@@ -47,8 +47,8 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         If a section of the rig is missing.
 
     """
-    rig.require(*SECTIONS, purpose='a model of the whole drive')
-    pump, motor, line, valve, loading = (getattr(rig, name) for name in SECTIONS)
+    rig.require(*WHOLE, purpose='a model of the whole drive')
+    pump, motor, line, valve, loading = (getattr(rig, name) for name in WHOLE)
     values = {
         'pump_shaft_speed': pump.shaft_speed, 'max_displacement': pump.max_displacement,
         'displacement_lag': pump.displacement_lag, 'displacement_scale': 1.0,

@@ -14,7 +14,7 @@ from hst_drive.rig import rig as parts
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
-    Limits, Number, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
+    Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, to_si, UnitError, UNITS
 import numpy as np
@@ -55,7 +55,9 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
 
     """
     _known(content, _TOP, source, '')
-    sections = {key: _section(key, content[key], source) for key in SECTIONS if key in content}
+    part = not set(parts.WHOLE) <= set(content)
+    sections = {key: _section(key, content[key], source, part)
+                for key in SECTIONS if key in content}
     if not sections:
         raise InputError(f'{source}: no section of a rig found; expected at least one of '
                          f'{", ".join(SECTIONS)}')
@@ -122,7 +124,7 @@ def _number(value, low: float, high: float, source: str, key: str, unit: str) ->
     return float(value)
 
 
-def _section(name: str, content, source: str):
+def _section(name: str, content, source: str, part: bool):
     fields = SECTIONS[name]
     _known(content, tuple(fields), source, name)
     values = {}
@@ -130,6 +132,8 @@ def _section(name: str, content, source: str):
         path = f'{name}.{key}'
         if key not in content:
             if isinstance(entry, Number) and entry.optional:
+                continue
+            if part and key in PART.get(name, ()):
                 continue
             raise InputError(f"{source}: key '{path}' is missing; add it")
         found = content[key]
@@ -151,6 +155,8 @@ def _section(name: str, content, source: str):
         if values['pistons'] != content['pistons']:
             raise InputError(f"{source}: 'motor.pistons' is {content['pistons']}, expected a "
                              'whole number')
+    if name in PART:
+        values['given'] = frozenset(content)
     return _CLASSES[name](**values)
 
 

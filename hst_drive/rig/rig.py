@@ -13,6 +13,9 @@ from dataclasses import dataclass, field
 from hst_drive.errors import InputError
 import numpy as np
 
+# The sections of a whole drive; a file without one of them describes a part.
+WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
+
 
 @dataclass(frozen=True, eq=False)
 class Curve:
@@ -66,26 +69,47 @@ def _cell(grid: np.ndarray, value) -> tuple[np.ndarray, np.ndarray]:
     return index, (value - grid[index]) / (grid[index + 1] - grid[index])
 
 
+def nothing() -> Surface:
+    """Return a table that is zero everywhere."""
+    return Surface(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros((2, 2)))
+
+
+def ideal() -> Surface:
+    """Return a table that is one everywhere."""
+    return Surface(np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.ones((2, 2)))
+
+
 @dataclass(frozen=True)
 class Pump:
-    """Variable displacement pump: rad/s, m^3/rad over V, s, m^3/s over (Pa, V)."""
+    """
+    Variable displacement pump: rad/s, m^3/rad over V, s, m^3/s over (Pa, V).
 
-    shaft_speed: float
-    max_displacement: float
-    displacement: Curve
-    displacement_lag: float
-    leakage: Surface
+    ``given`` are the keys of the file: one of a part may leave some out, and then the part is
+    ideal; 0 and None stand for numbers that only a balance which needs them asks for.
+    """
+
+    shaft_speed: float = 0.0
+    max_displacement: float = 0.0
+    displacement: Curve | None = None
+    displacement_lag: float = 0.0
+    leakage: Surface = field(default_factory=nothing)
+    given: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
 class Motor:
-    """Hydromotor: m^3/rad, kg.m^2 (all that turns with it), m^3/s and 1 over (Pa, rad/s)."""
+    """
+    Hydromotor: m^3/rad, kg.m^2 (all that turns with it), m^3/s and 1 over (Pa, rad/s).
 
-    displacement: float
-    inertia: float
-    leakage: Surface
-    mechanical_efficiency: Surface
+    ``given`` as for ``Pump``.
+    """
+
+    displacement: float = 0.0
+    inertia: float = 0.0
+    leakage: Surface = field(default_factory=nothing)
+    mechanical_efficiency: Surface = field(default_factory=ideal)
     pistons: int = 7
+    given: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -188,6 +212,11 @@ class Rig:
     provenance: dict = field(default_factory=dict)
     source: str = ''
     digest: str = ''
+
+    @property
+    def whole(self) -> bool:
+        """Whether all sections of the drive are there."""
+        return all(getattr(self, name) is not None for name in WHOLE)
 
     def require(self, *sections: str, purpose: str) -> None:
         """

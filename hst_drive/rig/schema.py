@@ -12,7 +12,11 @@ from typing import NamedTuple
 
 
 class Number(NamedTuple):
-    """A scalar: attribute of the section, unit in the file, plausible range in that unit."""
+    """
+    A scalar: attribute of the section, unit in the file, plausible range in that unit.
+
+    ``optional`` in any file; see ``PART`` for what only a file of a part may leave out.
+    """
 
     attribute: str
     unit: str
@@ -101,6 +105,16 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
         'sample_time_s': Number('sample_time', 's', 1e-4, 10),
         'output_limits_V': Limits('output_limits', 'V'),
     },
+}
+
+# What the file of a part (a section of the drive is missing) may leave out: no leakage table
+# means no leakage, no efficiency table an efficiency of 1, no displacement curve a pump of fixed
+# displacement; the balances that need one of the numbers are then not judged.
+PART: dict[str, tuple[str, ...]] = {
+    'pump': ('shaft_speed_rpm', 'max_displacement_cc_rev', 'displacement_vs_command',
+             'displacement_lag_s', 'leakage_L_min'),
+    'motor': ('displacement_cc_rev', 'inertia_total_kg_m2', 'leakage_L_min',
+              'mechanical_efficiency'),
 }
 
 # Suffix of a sensor's keys by channel.

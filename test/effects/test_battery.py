@@ -17,13 +17,13 @@ CONTRACT = (
     'pump_rate_limit pump_lag bearing_friction stribeck_friction viscous_drag hydrodynamic_drag '
     'line_loss back_pressure piston_ripple shaft_compliance gearbox_loss pressure_sensor_bias '
     'speed_sensor_lag torque_sensor_scale flow_sensor_scale').split()
-BEYOND = ['bulk_modulus_rise']
+BEYOND = ['bulk_modulus_rise', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
          for name, effect in OWN.items() for slot, function in effect.terms]
 LOSSES = {'pump_flow_loss', 'motor_flow_loss', 'motor_torque_loss', 'line_drop', 'back_pressure'}
 # Numbers in the files that have a dimension.
-CONSTANTS = {'ATMOSPHERE': 'Pa', 'LEAST': 'Pa'}
+CONSTANTS = {'ATMOSPHERE': 'Pa', 'LEAST': 'Pa', 'REFERENCE': 'Pa'}
 # Beyond what a drive reaches, in the units of READABLE.
 RANGES = {
     'displacement': (0.0, 1e-4), 'pump_speed': (1.0, 400.0), 'pump_pressure': (-9e4, 6e7),

@@ -1,0 +1,112 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs of a part of the drive as a fitting problem: every balance that they close is a signal."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.diagnose.campaign import BLOCK, Campaign, Model, neutral, SETTLE
+from hst_drive.effects import catalogue
+from hst_drive.measure.balances import is_part
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.run import Run
+from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
+import numpy as np
+
+_BLOCKS = 24            # a record is cut into so many at least
+_ROWS = 3.0             # operating points in a block of a table
+
+
+def campaign_of(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()) -> Campaign:
+    """Return the campaign that fits the logs: one of a part if any log is of a part."""
+    part = any(is_part(run, rig) for run in (*runs, *holdout))
+    return (PartCampaign if part else Campaign)(rig, runs, holdout)
+
+
+class PartCampaign(Campaign):
+    """
+    Recordings of a part, to fit on and to judge on.
+
+    Parameters
+    ----------
+    rig : Rig
+        The part's numbers.
+    runs, holdout : sequence of Run
+        Without ``holdout`` a third of each log is held out.
+
+    """
+
+    searched = ('always', 'parts')
+    advice = ('record more operating points: a wider span of pressure, speed, stroke and oil '
+              'temperature than these logs have tells them apart')
+
+    def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        super().__init__(rig, runs, holdout)
+        self._still = self.errors(Model())
+        self.tolerances = {key: value for key, value in self.tolerances.items()
+                           if self._moves(Model({}, {key: value}))}
+        tables = all(replay.static for replay in self.replays)
+        total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
+        self.block = _ROWS if tables else min(BLOCK, total / _BLOCKS)
+        # Operating points are chosen one by one: there are no events among them.
+        self.events = 0.0 if tables else self.events
+
+    def _model(self) -> PartModel:
+        return PartModel(self.rig)
+
+    def _replay(self, run: Run) -> PartReplay:
+        return PartReplay(run, self.drive)
+
+    @staticmethod
+    def _weigh(replay: PartReplay, index: int, training: int, named: bool) -> np.ndarray:
+        time = replay.run.time - replay.run.time[0]
+        if named:
+            return np.full(len(time), 1 if index < training else -1)
+        if replay.static:
+            return np.where(np.arange(len(time)) % 3 == 1, -1, 1)
+        length = min(3 * BLOCK, time[-1] / 12)
+        part = np.where((time / length).astype(int) % 3 == 1, -1, 1)
+        part[time < min(SETTLE, 0.02 * time[-1])] = 0
+        return part
+
+    def driver(self, model: Model) -> PartModel:
+        """Return a part with the model's effects and factors."""
+        return PartModel(self.rig, model.effects, {
+            key: float(np.exp(value)) for key, value in model.factors.items()})
+
+    def out_of_reach(self, name: str) -> str:
+        """Say why the channels cannot show an effect; empty if they can."""
+        if self._moves(Model({name: self.typical(name)}, {})):
+            return ''
+        enters = catalogue()[name].enters
+        return f'enters no balance that these channels close ({enters})'
+
+    def typical(self, name: str) -> dict[str, float]:
+        """Return parameters to start from; one that moves nothing here stays neutral."""
+        values = super().typical(name)
+        off = neutral(name)
+        for key in list(values)[1:]:
+            without = {**values, key: off[key] if off[key] != values[key]
+                       else 0.5 * values[key] + 1e-3}
+            if not self._differ(self.errors(Model({name: values})),
+                                self.errors(Model({name: without}))):
+                values[key] = off[key]
+        return values
+
+    def scatter(self, name: str) -> float:
+        """Return two standard errors of the squared noise ratio on held-out samples."""
+        count = 0.0
+        for column in self.columns:
+            if column.signal == name:
+                step = self.replays[column.log].run.sample_time
+                count += len(column.judge) * (1.0 if self.replays[column.log].static
+                                              else min(10 * step, 1.0))
+        return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
+
+    def _moves(self, model: Model) -> bool:
+        return self._differ(self.errors(model), self._still)
+
+    @staticmethod
+    def _differ(first, second) -> bool:
+        return any(bool(np.any(np.abs(one - other) > 1e-9)) for one, other in zip(first, second))

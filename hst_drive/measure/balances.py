@@ -1,0 +1,119 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which balances a log of a part closes, and which channels would close one."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.measure.run import Run
+from hst_drive.rig import Rig
+
+PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
+_TORQUES = ('motor_torque', 'load_torque')
+
+
+class Balance(NamedTuple):
+    """
+    A balance: the signal that it predicts and what that takes.
+
+    ``predicts`` and each entry of ``needs`` are alternatives; ``rig`` are the numbers that the
+    rig file must give, ``without`` channels that make another balance the better one.
+    """
+
+    name: str
+    predicts: tuple[str, ...]
+    needs: tuple[tuple[str, ...], ...]
+    rig: tuple[str, ...]
+    without: tuple[str, ...] = ()
+
+
+BALANCES: tuple[Balance, ...] = (
+    Balance('hydromotor torque', _TORQUES, (PRESSURES, ('motor_speed',)),
+            ('motor.displacement_cc_rev',)),
+    Balance('mass', ('motor_torque',), (('motor_speed',),), ('motor.inertia_total_kg_m2',),
+            PRESSURES),
+    Balance('stroke', ('pump_displacement',), (('pump_command',),),
+            ('pump.displacement_vs_command',)),
+    Balance('pump flow', ('motor_inlet_flow',),
+            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'),
+             ('pump_command', 'pump_displacement', 'pump.max_displacement_cc_rev')), ()),
+    Balance('hydromotor flow', ('motor_inlet_flow',), (PRESSURES, ('motor_speed',)),
+            ('motor.displacement_cc_rev',)),
+    Balance('hydromotor speed', ('motor_speed',), (PRESSURES, ('motor_inlet_flow',)),
+            ('motor.displacement_cc_rev',)),
+    Balance('flow through both', ('motor_speed',),
+            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'),
+             ('pump_command', 'pump_displacement')), ('motor.displacement_cc_rev',),
+            ('motor_inlet_flow',)),
+    Balance('case drain', ('case_drain_flow',), (PRESSURES, ('motor_speed',)),
+            ('motor.leakage_L_min',)),
+    Balance('line', ('pump_outlet_pressure',), (('motor_inlet_pressure',),), ('line',)),
+)
+
+
+def closed(run: Run, rig: Rig) -> dict[str, str]:
+    """
+    Return the signals that the other channels predict, each with its balance.
+
+    Where pump and hydromotor could both predict the flow, the pump does, and the measured flow
+    predicts the speed.
+    """
+    found: dict[str, str] = {}
+    for balance in BALANCES:
+        if _missing(balance, run, rig):
+            continue
+        signal = next(name for name in balance.predicts if name in run)
+        if balance.name == 'hydromotor speed' and found.get('motor_inlet_flow') != 'pump flow':
+            continue
+        if balance.name == 'line' and not ('motor_inlet_flow' in run or 'motor_speed' in run):
+            continue
+        if signal not in found:
+            found[signal] = balance.name
+    return found
+
+
+def _missing(balance: Balance, run: Run, rig: Rig) -> list[str]:
+    """Return what a balance lacks, as texts; empty if it is closed."""
+    lacks = []
+    for group in (balance.predicts, *balance.needs):
+        if not any(name in run or ('.' in name and _given(rig, name)) for name in group):
+            lacks.append(' or '.join(name for name in group if '.' not in name))
+    if any(name in run for name in balance.without) and not lacks:
+        # A mass may be driven by a hydromotor whose displacement is not given.
+        if balance.name != 'mass' or _given(rig, 'motor.displacement_cc_rev'):
+            lacks.append(f'no {balance.without[0]}')
+    lacks += [f"'{name}' in the rig file" for name in balance.rig if not _given(rig, name)]
+    return lacks
+
+
+def _given(rig: Rig, key: str) -> bool:
+    section, _, name = key.partition('.')
+    return getattr(rig, section) is not None and (not name or name in getattr(rig, section).given)
+
+
+def what_would_close(run: Run, rig: Rig) -> str:
+    """Return the line for a log that closes no balance."""
+    texts = []
+    for balance in BALANCES:
+        lacks = _missing(balance, run, rig)
+        present = len(balance.needs) + 1 - sum("'" not in text for text in lacks)
+        if balance.name in ('hydromotor torque', 'hydromotor flow', 'pump flow', 'mass'):
+            texts.append((-present, len(lacks), f'{balance.name} lacks {", ".join(lacks)}'))
+    texts.sort(key=lambda item: item[:2])
+    listed = '; '.join(text for _, _, text in texts[:3])
+    have = ', '.join(name for name in run.channels) or 'none but time'
+    return (f'{run.source}: its channels ({have}) close no balance: {listed}; a replay of the '
+            'whole drive needs pump_command and pprv_command; name foreign columns with '
+            '--channels')
+
+
+def is_part(run: Run, rig: Rig) -> bool:
+    """
+    Say whether a log is judged balance by balance.
+
+    It is if the rig file describes a part only, or if the log lacks a command of the whole drive
+    and closes a balance without it.
+    """
+    if not rig.whole:
+        return True
+    return not {'pump_command', 'pprv_command'} <= set(run.channels) and bool(closed(run, rig))

@@ -1,0 +1,323 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Replay of a log of a part of the drive: one predicted signal per balance that the log closes.
+
+A balance with a rate in it (inertia times acceleration, oil that the line takes) is compared in
+its weak form: both sides are smoothed with one Gaussian, and the derivative falls on that (M.
+Shinbrot, On the analysis of linear and nonlinear dynamical systems, NACA TN 3288, 1954). So no
+noise is differentiated, and what is faster than the Gaussian is lost on both sides alike.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from hst_drive.errors import InputError
+from hst_drive.measure.balances import closed, PRESSURES, what_would_close
+from hst_drive.measure.noise import noise_std
+from hst_drive.measure.replay import filled, Prediction
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.model.part import PartModel
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+_DRAWS = 3
+_SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
+_RESTLESS = 0.1         # mean squared step over variance: more is no record of a motion
+_VARIES = 0.05          # of the largest value: less is noise about one operating point
+_NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
+_LEAST_ROWS = 12
+_CREEPING = 0.5         # rad/s; below it friction hangs on how it changes its sign
+
+
+class PartReplay:
+    """
+    A log of a part, ready to be predicted by models again and again.
+
+    Parameters
+    ----------
+    run : Run
+        Channels that close at least one balance (``balances.BALANCES``).
+    model : PartModel
+        Model that noise and floor are judged with.
+
+    Attributes
+    ----------
+    run : Run
+        The log; signals of balances with a rate are smoothed as the prediction is.
+    balances : dict of str to str
+        Predicted signal to the balance that predicts it.
+    static : bool
+        Whether the rows are operating points; then ``run.time`` counts them.
+    noise : dict of str to float
+        White noise of each predicted signal before smoothing, SI.
+    stamps : float
+        How well time stamps and steps between samples are known, s.
+
+    Raises
+    ------
+    InputError
+        If no balance is closed, or there are too few rows.
+
+    """
+
+    def __init__(self, run: Run, model: PartModel):
+        self.balances = closed(run, model.rig)
+        if not self.balances:
+            raise InputError(what_would_close(run, model.rig))
+        if len(run) < _LEAST_ROWS:
+            raise InputError(f'{run.source}: {len(run)} rows, expected at least {_LEAST_ROWS} to '
+                             'judge a balance; record more operating points')
+        self.static = _is_table(run)
+        if self.static:
+            run = replace(run, time=np.arange(len(run), dtype=float))
+        self.run = run
+        self.signals = tuple(self.balances)
+        self.inputs: dict[str, np.ndarray] = {}
+        self.stamps = 0.0 if self.static else max(1e-3, 0.5 * run.sample_time)
+        self._missing = np.zeros(len(run), dtype=bool)
+        used = {name for name in run.channels if name in CHANNELS}
+        for name in used:
+            if np.isfinite(run[name]).sum() < 2:
+                raise InputError(f"{run.source}: channel '{name}' has no readings; leave the "
+                                 'column out')
+            self._missing |= ~np.isfinite(run[name])
+        self._channels = {name: filled(run[name], hold=CHANNELS[name].hold == 'zero')
+                          for name in used}
+        if not self.static and 'oil_temperature' in used:
+            width = max(1.0 / run.sample_time, 1.0)
+            self._channels['oil_temperature'] = gaussian_filter1d(
+                self._channels['oil_temperature'], width)
+        self.inputs = {name: self._channels[name] for name in (
+            'pump_command', 'pprv_command', 'oil_temperature') if name in used}
+        self._widths = dict.fromkeys(self.signals, 0.0)
+        self._input_noise = {name: self._noise_of(name, model, 0.0) for name in used}
+        self.noise = {name: self._signal_noise(name, model) for name in self.signals}
+        self._widths = {name: self._width(name, model) for name in self.signals}
+        self.run = replace(run, channels={
+            **run.channels, **{name: self._measured(name) for name in self.signals}})
+
+    def _noise_of(self, name: str, model: PartModel, unknown: float | None = None) -> float:
+        """Return a sensor's noise: from the record, or as stated for a table."""
+        sensor = model.rig.sensors.get(name)
+        step = sensor.resolution / np.sqrt(12.0) if sensor else 0.0
+        if self.static:
+            if sensor is None or sensor.noise_std <= 0:
+                return unknown or 0.0
+            return float(np.hypot(sensor.noise_std, step))
+        if CHANNELS[name].hold == 'zero' or name == 'oil_temperature':
+            return 0.0
+        return max(noise_std(self.run[name]), step)
+
+    def _signal_noise(self, name: str, model: PartModel) -> float:
+        rest = self._channels[name] - self.predict(model).signals[name]
+        tiny = 1e-6 * float(np.max(np.abs(self._channels[name]))) + 1e-15
+        if self.static:
+            stated = self._noise_of(name, model)
+            # A table whose sensor is not described: what a smooth surface leaves of the error.
+            if not stated:
+                self._input_noise = dict.fromkeys(self._input_noise, 0.0)
+            return max(stated or self._rough(rest), tiny)
+        return max(min(self._input_noise[name], max(noise_std(rest), 0.0) or np.inf), tiny)
+
+    def _rough(self, rest: np.ndarray) -> float:
+        """Return the deviation of an error from a smooth function of the operating point."""
+        rows = [np.ones(len(rest))]
+        for name in (*PRESSURES, 'motor_speed', 'pump_speed', 'pump_command', 'oil_temperature'):
+            values = self._channels.get(name)
+            if values is None or np.ptp(values) <= 1e-9 * np.max(np.abs(values)):
+                continue
+            scaled = 2 * (values - values.min()) / np.ptp(values) - 1
+            rows += [scaled, scaled**2, scaled**3]
+        rows = rows[:max(len(rest) // 3, 1)]
+        matrix = np.column_stack(rows)
+        left = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
+        return float(np.sqrt(left @ left / max(len(rest) - matrix.shape[1], 1)))
+
+    def _width(self, name: str, model: PartModel) -> float:
+        """Return the Gaussian's deviation, samples, from which the rate adds little noise."""
+        gain, source = self._rate_gain(name, model)
+        if not gain or self.static:
+            return 0.0
+        noise = self._noise_of(source, model) if source in self._channels else 0.0
+        seconds = min(gain * noise / (np.sqrt(2.0) * self.noise[name]), _WIDE)
+        return max(seconds / self.run.sample_time, _NARROW)
+
+    def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
+        """Return the largest factor on a rate in a balance, and the channel of that rate."""
+        balance = self.balances[name]
+        if balance in ('hydromotor torque', 'mass'):
+            return model.inertia, 'motor_speed'
+        if balance in ('pump flow', 'flow through both'):
+            known = model.complete({})
+            capacity = float(model.rig.line.volume / known['bulk_modulus']) if (
+                model.rig.line) else 0.0
+            if balance == 'flow through both':
+                capacity /= max(model.motor_displacement, 1e-30)
+            return capacity, self._pump_pressure
+        return 0.0, ''
+
+    @property
+    def _pump_pressure(self) -> str:
+        return next((name for name in PRESSURES[::-1] if name in self._channels), '')
+
+    def _smooth(self, values: Any, name: str) -> np.ndarray:
+        values = np.broadcast_to(np.asarray(values, dtype=float), len(self.run)).copy()
+        width = self._widths[name]
+        return gaussian_filter1d(values, width, mode='nearest') if width else values
+
+    def _rate(self, values: np.ndarray, name: str) -> np.ndarray:
+        if self.static or not self._widths[name]:
+            return np.zeros(len(values))
+        width = self._widths[name]
+        return (gaussian_filter1d(values, width, order=1, mode='nearest')
+                / gaussian_filter1d(self.run.time, width, order=1, mode='nearest'))
+
+    def _measured(self, name: str) -> np.ndarray:
+        """Return what the prediction is compared with; NaN where it is not known."""
+        values = self._smooth(self._channels[name], name)
+        spread = int(np.ceil(3 * self._widths[name]))
+        unknown = self._missing
+        if self.balances[name] in ('hydromotor torque', 'mass'):
+            unknown = unknown | (np.abs(self._channels['motor_speed']) < _CREEPING)
+        missing = np.convolve(unknown, np.ones(2 * spread + 1), 'same') > 0.5
+        missing[:spread] = True
+        missing[len(missing) - spread:] = True
+        values[missing] = np.nan
+        return values
+
+    def predict(self, model: PartModel, extra: dict[str, np.ndarray] | None = None) -> Prediction:
+        """
+        Predict each signal from the others.
+
+        Parameters
+        ----------
+        model : PartModel
+            The model.
+        extra : dict of str to ndarray, optional
+            Added to channels, SI.
+
+        """
+        channels = self._channels if extra is None else {
+            name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
+        signals = {name: np.broadcast_to(getattr(self, f'_{balance.replace(" ", "_")}')(
+            model, self._known(model, channels), channels, name), len(self.run))
+            for name, balance in self.balances.items()}
+        return Prediction(signals, np.zeros(len(self.run)))
+
+    def _known(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+        """Return what effects may read, true values instead of readings where one is off."""
+        known: dict[str, Any] = {name: channels[name] for name in (
+            'motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature')
+            if name in channels}
+        known.setdefault('oil_temperature', np.full(len(self.run), model.rig.characterised_at))
+        if 'motor_speed' in channels and not self.static:
+            known['motor_angle'] = np.concatenate([[0.0], np.cumsum(
+                self._channels['motor_speed'][:-1] * np.diff(self.run.time))])
+        known = model.complete(known)
+        source = self._pump_pressure
+        if source:
+            known['pump_pressure'] = channels[source]
+            known['pump_pressure'] = channels[source] - model.terms('pressure_reading', {
+                **known, 'pressure': channels[source]})
+            known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
+            if source == 'motor_inlet_pressure':
+                known['pressure'] = known['pump_pressure']
+        self._add_flow(model, known, channels)
+        if source == 'pump_outlet_pressure' and 'motor_inlet_pressure' not in channels and (
+                'flow' in known):
+            known['pressure'] = known['pump_pressure'] - model.line_drop(known)
+        return known
+
+    def _add_flow(self, model: PartModel, known: dict, channels: dict) -> None:
+        if 'motor_inlet_flow' in channels:
+            reading = channels['motor_inlet_flow']
+            known['flow'] = reading - model.terms('flow_reading', {**known, 'flow': reading})
+        elif 'pressure' in known and 'motor_speed' in known and model.motor_displacement:
+            known['flow'] = (model.motor_displacement * known['motor_speed']
+                             + model.motor_leakage(known))
+
+    def _torque_reading(self, model: PartModel, known: dict, torque: np.ndarray) -> np.ndarray:
+        known = {**known, 'load_torque': torque}
+        return torque + model.terms('torque_reading', known)
+
+    def _hydromotor_torque(self, model, known, channels, name) -> np.ndarray:
+        shaft = self._smooth(model.motor_torque(known), name) - model.inertia * self._rate(
+            known['motor_speed'], name)
+        return self._torque_reading(model, known, shaft)
+
+    def _mass(self, model, known, channels, name) -> np.ndarray:
+        # Without oil all that the hydromotor's equation leaves is friction.
+        drive = self._smooth(channels.get('load_torque', 0.0) - model.motor_torque(known), name)
+        drive = drive + model.inertia * self._rate(known['motor_speed'], name)
+        return self._torque_reading(model, known, drive)
+
+    def _hydromotor_flow(self, model, known, channels, name) -> np.ndarray:
+        flow = model.motor_displacement * known['motor_speed'] + model.motor_leakage(known)
+        return flow + model.terms('flow_reading', {**known, 'flow': flow})
+
+    def _hydromotor_speed(self, model, known, channels, name) -> np.ndarray:
+        return (known['flow'] - model.motor_leakage(known)) / model.motor_displacement
+
+    def _case_drain(self, model, known, channels, name) -> np.ndarray:
+        return model.motor_leakage(known)
+
+    def _line(self, model, known, channels, name) -> np.ndarray:
+        pressure = channels['motor_inlet_pressure'] + model.line_drop(known)
+        return pressure + model.terms('pressure_reading', {**known, 'pressure': pressure})
+
+    def _stroke(self, model, known, channels, name) -> np.ndarray:
+        return model.stroke(None if self.static else self.run.time, channels['pump_command'],
+                            known)
+
+    def _delivered(self, model, known, channels, name) -> np.ndarray:
+        known = dict(known)
+        if 'pump_displacement' in channels:
+            known['displacement'] = channels['pump_displacement']
+        elif 'pump_command' in channels and model.rig.pump.displacement is not None:
+            known['displacement'] = self._stroke(model, known, channels, name)
+        else:
+            known['displacement'] = np.full(len(self.run), model.factor(
+                'pump.displacement_vs_command') * model.rig.pump.max_displacement)
+        return self._smooth(model.pump_flow(known), name) - self._smooth(
+            model.capacity(known), name) * self._rate(known['pump_pressure'], name)
+
+    def _pump_flow(self, model, known, channels, name) -> np.ndarray:
+        flow = self._delivered(model, known, channels, name)
+        return flow + model.terms('flow_reading', {**known, 'flow': flow})
+
+    def _flow_through_both(self, model, known, channels, name) -> np.ndarray:
+        return (self._delivered(model, known, channels, name)
+                - self._smooth(model.motor_leakage(known), name)) / model.motor_displacement
+
+    def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
+        """Return the rmse, by signal, that a perfect model would show: sensors' noise alone."""
+        random = np.random.default_rng(seed)
+        base = self.predict(model).signals
+        power = dict.fromkeys(self.signals, 0.0)
+        for _ in range(_DRAWS):
+            noise = {name: std * random.standard_normal(len(self.run))
+                     for name, std in self._input_noise.items()}
+            moved = self.predict(model, noise).signals
+            for name in self.signals:
+                # A signal that is predicted reads other noise than the one it predicts from.
+                own = self._smooth(self.noise[name] * random.standard_normal(len(self.run)), name)
+                shift = moved[name] - base[name] - own
+                power[name] += float(np.mean(shift**2)) / _DRAWS
+        return {name: float(np.sqrt(value)) for name, value in power.items()}
+
+
+def _is_table(run: Run) -> bool:
+    """Say whether the rows are operating points rather than samples of a motion."""
+    if run.sample_time >= _SLOWEST:
+        return True
+    for name in (*PRESSURES, 'motor_speed', 'pump_speed'):
+        values = run.channels.get(name)
+        if values is None:
+            continue
+        values = values[np.isfinite(values)]
+        if len(values) > 2 and values.std() > _VARIES * np.max(np.abs(values)):
+            if np.mean(np.diff(values)**2) > _RESTLESS * values.var():
+                return True
+    return False

@@ -1,0 +1,265 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The balances of a part of the drive, over whole records at once.
+
+Each balance predicts one signal from the other measured ones: the torque of a hydromotor from
+pressure and speed, the flow of a pump from command and pressure. Effects enter through the same
+declarations as in the whole drive. What the rig file of a part leaves out is ideal: no leakage,
+an efficiency of 1. All values are SI.
+"""
+from __future__ import annotations
+
+import math
+from types import FunctionType
+from typing import Any, Callable, Mapping
+
+from hst_drive.effects import catalogue, READABLE
+from hst_drive.effects.base import arguments
+from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.errors import InputError
+from hst_drive.model.compose import CONSTANTS
+from hst_drive.model.drive import check_effect
+from hst_drive.rig import Rig
+import numpy as np
+
+Known = Mapping[str, Any]
+# What counts as nothing where a part has it not: a mass on a known torque has no pressure.
+_NOTHING = ('pressure', 'pump_pressure')
+
+
+class PartModel:
+    """
+    A part of the drive: a rig's numbers, effects that are on, factors of this unit.
+
+    Parameters
+    ----------
+    rig : Rig
+        Adopted effects and calibration count.
+    effects : mapping of str to mapping of str to float, optional
+        More effects, parameters in SI; one that is left out has its typical value.
+    factors : mapping of str to float, optional
+        Factors by the names of ``rig.tolerances``.
+
+    Raises
+    ------
+    InputError
+        If an effect, a parameter or the oil's grade is not known.
+
+    """
+
+    def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
+                 factors: Mapping[str, float] | None = None):
+        self.rig = rig
+        self.effects = {name: check_effect(rig, name, values)
+                        for name, values in {**rig.effects, **(effects or {})}.items()}
+        self.factors = dict(rig.calibration)
+        for key, value in (factors or {}).items():
+            self.factors[key] = self.factors.get(key, 1.0) * value
+        if rig.line is not None and rig.line.oil_grade not in GRADES:
+            raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
+                             f'{", ".join(GRADES)}')
+
+    def factor(self, key: str) -> float:
+        """Return the factor of this unit on a quantity."""
+        return self.factors.get(key, 1.0)
+
+    @property
+    def inertia(self) -> float:
+        """Inertia (kg.m^2); 0 where the rig gives none."""
+        motor = self.rig.motor
+        return (motor.inertia if motor else 0.0) * self.factor('motor.inertia')
+
+    @property
+    def motor_displacement(self) -> float:
+        """Displacement of the hydromotor (m^3/rad); 0 where the rig gives none."""
+        motor = self.rig.motor
+        return (motor.displacement if motor else 0.0) * self.factor('motor.displacement')
+
+    def complete(self, known: Known) -> dict[str, Any]:
+        """Add the rig's constants, and the viscosity, to what a log knows."""
+        rig = self.rig
+        found = {**known, 'characterised_at': rig.characterised_at}
+        if rig.motor is not None:
+            found.update(motor_displacement=self.motor_displacement,
+                         pistons=float(rig.motor.pistons))
+        if rig.pump is not None:
+            found.update(max_displacement=rig.pump.max_displacement,
+                         nominal_speed=rig.pump.shaft_speed)
+        if rig.line is not None:
+            found.update(bulk_modulus=rig.line.bulk_modulus * self.factor('line.bulk_modulus'),
+                         oil_density=rig.line.oil_density)
+            if 'oil_temperature' in known:
+                grade = rig.line.oil_grade
+                found['viscosity_ratio'] = viscosity(
+                    known['oil_temperature'], grade) / viscosity(rig.characterised_at, grade)
+        if rig.relief_valve is not None:
+            found['relief_pressure'] = rig.relief_valve.set_pressure
+        return found
+
+    def terms(self, slot: str, known: Known) -> Any:
+        """Return the sum of the effects at a slot; one that reads what is not known gives 0."""
+        total: Any = 0.0
+        for name, values in self.effects.items():
+            effect = catalogue(everything=True)[name]
+            # A formula names all that it could read; what is not known has the power 0.
+            spare = dict.fromkeys(READABLE, 0.0) if effect.searched == 'never' else {}
+            for place, function in effect.terms:
+                if place == slot:
+                    total = total + evaluate(function, {**spare, **known, **values})
+        return total
+
+    def motor_leakage(self, known: Known) -> Any:
+        """Return all that the hydromotor leaks at a pressure and speed, m^3/s."""
+        table = self.factor('motor.leakage') * self.rig.motor.leakage(
+            known['pressure'], np.abs(known['motor_speed']))
+        flow = self.motor_displacement * known['motor_speed'] + table
+        return table + self.terms('motor_flow_loss', {
+            **known, 'motor_leakage': table, 'flow': flow})
+
+    def line_drop(self, known: Known) -> Any:
+        """Return the pressure lost between the pump and the hydromotor, Pa."""
+        return self.terms('line_drop', known)
+
+    def motor_torque(self, known: Known) -> Any:
+        """Return the torque of the hydromotor without that of its inertia, N.m."""
+        speed, pressure = known['motor_speed'], known.get('pressure', 0.0)
+        hydraulic: Any = 0.0
+        if 'pressure' in known:
+            efficiency = self.factor('motor.mechanical_efficiency') * (
+                self.rig.motor.mechanical_efficiency(pressure, np.abs(speed)))
+            back = self.terms('back_pressure', known)
+            hydraulic = efficiency * np.maximum(pressure - back, 0.0) * self.motor_displacement
+        direction = np.tanh(speed / CONSTANTS['SIGN_WIDTH'])
+        return (hydraulic + self.terms('motor_torque', known)
+                - self.terms('motor_torque_loss', known) * direction)
+
+    def stroke(self, time: np.ndarray | None, command: np.ndarray, known: Known) -> np.ndarray:
+        """
+        Return the pump's displacement (m^3/rad) for a command.
+
+        Parameters
+        ----------
+        time : ndarray or None
+            s; None for operating points, where all has settled.
+        command : ndarray
+            V.
+        known : mapping
+            What effects of the actuator may read.
+
+        """
+        pump = self.rig.pump
+        command = command + self.terms('pump_command', {**known, 'pump_command': command})
+        if time is None:
+            return self.factor('pump.displacement_vs_command') * pump.displacement(command)
+        play = float(np.max(self.terms('pump_play', known)))
+        if play > 0:
+            command = _play(command, 0.5 * play)
+        target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
+        lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
+            np.max(self.terms('pump_lag', known)))
+        full = float(np.max(self.terms('pump_stroke_time', known)))
+        rate = pump.max_displacement / full if full > 0 else math.inf
+        return _follow(time, target, max(lag, 1e-6), rate)
+
+    def pump_flow(self, known: Known) -> Any:
+        """Return the oil that a pump of known stroke and speed delivers, m^3/s."""
+        pump, pressure = self.rig.pump, known['pump_pressure']
+        command = known.get('pump_command')
+        if command is None and pump.displacement is None:
+            command = pump.leakage.y[-1]
+        elif command is None:
+            command = np.interp(known['displacement'], pump.displacement.y, pump.displacement.x)
+        leakage = self.factor('pump.leakage') * pump.leakage(pressure, command)
+        known = {**known, 'pump_leakage': leakage}
+        speed = known.get('pump_speed')
+        if speed is None:
+            speed = pump.shaft_speed + self.terms('pump_speed', known)
+        relief: Any = 0.0
+        valve = self.rig.relief_valve
+        if valve is not None:
+            # Eq. (2) of the drill-drive paper; without a line the usual density of oil.
+            density = known.get('oil_density', 870.0)
+            relief = np.where(
+                pressure > valve.set_pressure,
+                valve.discharge_coefficient * valve.area * np.sqrt(2 / density * np.maximum(
+                    pressure - valve.reference_pressure, 0.0)), 0.0)
+        ideal = known['displacement'] * speed
+        return ideal - leakage - relief - self.terms('pump_flow_loss', {
+            **known, 'pump_speed': speed, 'flow': known.get('flow', ideal)})
+
+    def capacity(self, known: Known) -> Any:
+        """Return the oil that the line takes per rise of pressure, m^3/Pa; 0 without a line."""
+        line = self.rig.line
+        if line is None:
+            return 0.0
+        return line.volume * (1.0 / known['bulk_modulus'] + self.terms('compliance', known))
+
+
+def evaluate(function: Callable[..., Any], known: Known) -> Any:
+    """Call an effect's function with arrays; 0 where it reads what is not known."""
+    values = []
+    for name in arguments(function):
+        if name not in known and name not in _NOTHING:
+            return 0.0
+        values.append(known.get(name, 0.0))
+    try:
+        result = _over_arrays(function)(*values)
+    except ValueError:
+        # A function that branches: sample by sample.
+        result = np.vectorize(function, otypes=[float])(*values)
+    return result
+
+
+class _Math:
+    """The names of module ``math``, for arrays."""
+
+    pi, e, tau, inf, nan = math.pi, math.e, math.tau, math.inf, math.nan
+    acos, asin, atan, atan2 = np.arccos, np.arcsin, np.arctan, np.arctan2
+    acosh, asinh, atanh, pow = np.arccosh, np.arcsinh, np.arctanh, np.power
+
+    def __getattr__(self, name: str):
+        return getattr(np, name)
+
+
+def _extreme(pair: Callable) -> Callable:
+    def of(first, *rest):
+        for value in rest:
+            first = pair(first, value)
+        return first
+    return of
+
+
+def _over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return an effect's function with 'math', 'min', 'max' and 'abs' for arrays."""
+    arrays = {'max': _extreme(np.maximum), 'min': _extreme(np.minimum), 'abs': np.abs}
+    for name in function.__code__.co_names:
+        value = function.__globals__.get(name)
+        if value is math:
+            arrays[name] = _Math()
+        elif callable(value) and getattr(math, name, None) is value:
+            arrays[name] = getattr(_Math(), name)
+        elif value is not None:
+            arrays[name] = value
+    return FunctionType(function.__code__, arrays)
+
+
+def _play(command: np.ndarray, half: float) -> np.ndarray:
+    """Return a command behind a play of twice ``half``."""
+    behind, inside = np.empty(len(command)), command[0]
+    for k, value in enumerate(command):
+        inside = min(max(inside, value - half), value + half)
+        behind[k] = inside
+    return behind
+
+
+def _follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float) -> np.ndarray:
+    """Return a first-order lag of a target that is held between samples, its speed limited."""
+    out, value = np.empty(len(time)), target[0]
+    steps = np.append(np.diff(time), 0.0)
+    decay = np.exp(-steps / lag)
+    for k, goal in enumerate(target):
+        out[k] = value
+        move = (goal - value) * (1 - decay[k])
+        value += min(max(move, -rate * steps[k]), rate * steps[k])
+    return out
