@@ -23,7 +23,7 @@ from hst_drive.rig import Rig
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-MAX_STEP = 5e-3         # s; halving it moves no reading by more than a tenth of its noise
+MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
 EVENTS = 0.07           # share of the blocks that single events may spoil
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
@@ -128,6 +128,11 @@ class Campaign:
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
         return typical(name)
+
+    def fits(self, name: str, key: str) -> bool:
+        """Say whether a parameter of an effect is fitted rather than chosen."""
+        parameters = catalogue(everything=True)[name].parameters
+        return not next(entry for entry in parameters if entry.name == key).fixed
 
     def scatter(self, name: str) -> float:
         """Return how far the squared noise ratio of a perfect model may be off by chance."""

@@ -66,7 +66,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     ladder = _ladder(campaign, search, best, order)
     limits = intervals(campaign, best.fit) if best.names else {}
     effects = tuple(Found(
-        name, {key: Value(value, *limits[name, key], _unit(name, key))
+        name, {key: Value(value, *limits.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
     ambiguous = any(rivals.values())

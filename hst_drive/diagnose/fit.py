@@ -46,7 +46,7 @@ class Unknowns:
         self.start = model
         self.names = (*(('', key) for key in campaign.tolerances),
                       *((name, key) for name, values in model.effects.items() for key in values
-                        if not _parameter(name, key).fixed))
+                        if campaign.fits(name, key)))
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.low = np.array([low for low, _ in limits]) / self.scale

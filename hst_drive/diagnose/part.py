@@ -14,7 +14,8 @@ from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
-_BLOCKS = 24            # a record is cut into so many at least
+_BLOCKS = 60            # a record is cut into so many at least
+_LONGEST = 0.5          # s; nothing is simulated, so errors have no long memory
 _ROWS = 3.0             # operating points in a block of a table
 
 
@@ -48,7 +49,7 @@ class PartCampaign(Campaign):
                            if self._moves(Model({}, {key: value}))}
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
-        self.block = _ROWS if tables else min(BLOCK, total / _BLOCKS)
+        self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else self.events
 
@@ -93,6 +94,10 @@ class PartCampaign(Campaign):
                                 self.errors(Model({name: without}))):
                 values[key] = off[key]
         return values
+
+    def fits(self, name: str, key: str) -> bool:
+        """Say whether a parameter is fitted: here also the shape of a friction curve."""
+        return name in catalogue() or super().fits(name, key)
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""
