@@ -15,8 +15,18 @@ os.environ.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(share('config/fastdd
 os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)
 
 HAS_NUMBA = find_spec('numba') is not None
-# The made-up measurements come from a compiled generator.
-collect_ignore = [] if HAS_NUMBA else ['truth']
+# What tests need beyond the package itself; a sourced ROS 2 of Ubuntu has none of it. The made-up
+# measurements of test/truth come from a compiled generator.
+BAGS = ('mcap', 'mcap_ros2', 'rosbags')
+NEEDS = {
+    **dict.fromkeys(('bag/test_bags.py', 'bag/test_cdr.py', 'bag/test_channels.py',
+                     'bag/test_csv_log.py', 'bag/test_recovery.py'), BAGS),
+    **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
+                     'nodes/test_run.py'), (*BAGS, 'rclpy')),
+    'effects/test_battery.py': ('pint',), 'truth': ('numba',)}
+LACKING = {path: lacking for path, modules in NEEDS.items()
+           if (lacking := [name for name in modules if find_spec(name) is None])}
+collect_ignore = list(LACKING)
 MARKERS = {
     'slow': 'takes long without numba; left out with the oldest versions',
     'needs_numba': 'tests the compiled path; skipped where numba is not installed',
@@ -27,6 +37,12 @@ def pytest_configure(config):
     """Declare the markers."""
     for name, meaning in MARKERS.items():
         config.addinivalue_line('markers', f'{name}: {meaning}')
+
+
+def pytest_report_header():
+    """Say what is left out."""
+    return [f'left out: test/{path} (not installed: {", ".join(lacking)})'
+            for path, lacking in LACKING.items()]
 
 
 def pytest_collection_modifyitems(items):
