@@ -60,7 +60,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     held = np.array([base.model.factors[key] / value
                      for key, value in campaign.tolerances.items()])
     room = (-SIGMAS - held - 1e-6, SIGMAS - held + 1e-6)
-    places = _places(campaign)
+    grams = [(rows, factors[rows].T @ factors[rows], need)
+             for rows, need in _places(campaign)]
     found = []
     for name in names:
         effect = catalogue()[name]
@@ -71,7 +72,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         size = effect.parameters[0]
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
-        smallest = abs(size.typical) * _smallest(move, factors, normal, room, places)
+        smallest = abs(size.typical) * _smallest(move, factors, normal, room, grams)
         limit = max(abs(size.low), abs(size.high))
         reason = '' if smallest <= limit else \
             'these logs do not exercise it beyond what the unit may differ'
@@ -80,27 +81,35 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 
 
 def _smallest(move: np.ndarray, factors: np.ndarray, normal: np.ndarray,
-              room: tuple[np.ndarray, np.ndarray], places) -> float:
+              room: tuple[np.ndarray, np.ndarray],
+              grams: list[tuple[np.ndarray, np.ndarray, float]]) -> float:
     """
     Return the factor on ``move`` from which the effect is worth naming.
 
-    The unit's factors take up what they can, but not beyond their limits.
+    The unit's factors take up what they can, but not beyond their limits. All is quadratic in
+    the factors, so that the long vectors are needed once.
     """
-    side = factors.T @ move
+    sides = [(factors[rows].T @ move[rows], float(move[rows] @ move[rows]))
+             for rows, _, _ in grams]
     root = np.linalg.cholesky(normal).T
-    target = np.linalg.solve(root.T, side)
-    size = 100.0
-    for _ in range(24):
-        share = lsq_linear(root, -size * target, room).x if len(side) else side
-        left = size * move + factors @ share
-        if min(_needed(left[place] / thin, blocks) for place, thin, blocks in places) > 1:
-            break
-        size /= 1.5
-    return size * 1.5 if size < 100.0 else np.inf
+    target = np.linalg.solve(root.T, factors.T @ move)
+
+    def shows(size: float) -> bool:
+        share = lsq_linear(root, -size * target, room, method='bvls').x if len(target) else target
+        return any(share @ gram @ share + 2 * size * side @ share + size**2 * power > need
+                   for (_, gram, need), (side, power) in zip(grams, sides))
+
+    low, high = np.log(1e-4), np.log(1e3)
+    if not shows(np.exp(high)):
+        return np.inf
+    for _ in range(9):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if shows(np.exp(middle)) else (middle, high)
+    return float(np.exp(high))
 
 
-def _places(campaign: Campaign) -> list[tuple[np.ndarray, float, int]]:
-    """Return, by signal, its rows in the training vector, their weight, and how many blocks."""
+def _places(campaign: Campaign) -> list[tuple[np.ndarray, float]]:
+    """Return, by signal, its rows in the training vector, and the power worth naming there."""
     places: dict[str, list[np.ndarray]] = {}
     thin: dict[str, float] = {}
     start = 0
@@ -111,13 +120,8 @@ def _places(campaign: Campaign) -> list[tuple[np.ndarray, float, int]]:
     found = []
     for name, parts in places.items():
         rows = np.concatenate(parts)
-        seconds = len(rows) * campaign.replays[0].run.sample_time
-        found.append((rows, thin[name], int(seconds / campaign.block)))
+        blocks = max(len(rows) * campaign.replays[0].run.sample_time / campaign.block, 1.0)
+        # Mean squares of blocks scatter by about their own size where errors are correlated.
+        worth = max(PRACTICAL, SIGNIFICANT * 0.7 / np.sqrt(blocks))
+        found.append((rows, worth * thin[name]**2 * len(rows)))
     return found
-
-
-def _needed(move: np.ndarray, blocks: int) -> float:
-    """Return the squared factor on ``move`` at which it would be worth naming."""
-    power = float(np.mean(move**2))
-    # Mean squares of blocks scatter by about their own size where errors are correlated.
-    return max(PRACTICAL, SIGNIFICANT * 0.7 / np.sqrt(max(blocks, 1))) / power if power else np.inf
