@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
     from hst_drive.measure.run import Run
@@ -45,3 +48,14 @@ def read_logs(paths: list[str], channels: str | None) -> list[Run]:
     names = [run.name for run in runs]
     return [replace(run, name=f'{Path(path).resolve().parent.name}/{run.name}')
             if names.count(run.name) > 1 else run for run, path in zip(runs, paths)]
+
+
+def read_json(path: str) -> dict:
+    """Read a JSON file; one line says what is wrong with it."""
+    try:
+        return json.loads(Path(path).read_text(encoding='utf-8'))
+    except OSError as error:
+        raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
+    except ValueError as error:
+        raise InputError(f'{path}: is not JSON ({error}); expected what '
+                         "'hst-drive diagnose --json' wrote") from None

@@ -13,7 +13,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.output import say, table, write_text
+from hst_drive.cli.output import say, table
 
 if TYPE_CHECKING:
     from hst_drive.load.ground import Ground
@@ -48,8 +48,9 @@ def run(args: argparse.Namespace) -> int:
     runs = [read_log(bag) for bag in bags]
     _compared(runs)
     _say_step(3, 'What is missing?')
-    found, rig_file = _diagnosed(runs, folder)
-    if not found:
+    rig_file = _diagnosed(runs, folder)
+    if rig_file is None:
+        say(f'the hidden effect ({_HIDDEN}) was not found: the demo ends here')
         return 1
     _say_step(4, 'The same comparison with it')
     _compared(runs, rig_file)
@@ -140,26 +141,23 @@ def _compared(runs: list[Run], rig_file: str | None = None) -> None:
           f"{100 * drilling['pump_outlet_pressure'].russell.comprehensive:.2f} %")
 
 
-def _diagnosed(runs: list[Run], folder: Path) -> tuple[bool, str]:
-    import yaml
-
+def _diagnosed(runs: list[Run], folder: Path) -> str | None:
+    """Print what is missing; return the file of the rig with it, None if nothing was found."""
     from hst_drive.cli.diagnose import as_json, progress_line, text
-    from hst_drive.cli.output import plain, write_json
+    from hst_drive.cli.output import plain, write_json, write_yaml
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.resources import share
-    from hst_drive.rig import load_rig
-    from hst_drive.rig.load import read_yaml
+    from hst_drive.rig import default_rig_file, load_rig
+    from hst_drive.rig.yaml_file import read_yaml
 
-    source = str(share('config', 'rig', 'test_rig.yaml'))
+    source = str(default_rig_file())
     result = diagnose(load_rig(source), runs, progress=progress_line())
     print(text(result, short=True))
     content = plain(as_json(result))
     write_json(content, folder / 'diagnosis.json')
     rig_file = folder / 'rig.yaml'
     if not result.effects:
-        return False, ''
-    adopted = adopt(read_yaml(source), content, str(folder / 'diagnosis.json'), source)
-    write_text(yaml.safe_dump(adopted, sort_keys=False, default_flow_style=None, width=99),
+        return None
+    write_yaml(adopt(read_yaml(source), content, str(folder / 'diagnosis.json'), source),
                rig_file)
-    return True, str(rig_file)
+    return str(rig_file)

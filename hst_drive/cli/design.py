@@ -13,8 +13,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_rig_argument, rig_of
-from hst_drive.cli.output import add_json_argument, say, table, write_json, write_text
+from hst_drive.cli.common import add_rig_argument, read_json, rig_of
+from hst_drive.cli.output import add_json_argument, say, table, write_json, write_yaml
 from hst_drive.errors import InputError
 from hst_drive.units import from_si
 
@@ -42,9 +42,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Design and say what to expect."""
-    import yaml
-
-    from hst_drive.cli.adopt import read_json
     from hst_drive.cli.diagnose import progress_line
     from hst_drive.diagnose.design import design
     from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis
@@ -73,8 +70,7 @@ def run(args: argparse.Namespace) -> int:
     if args.json != '-':
         print(text(result, args.output))
     if args.output and result.advice != 'neither':
-        write_text(yaml.safe_dump(result.content, sort_keys=False, default_flow_style=None,
-                                  width=99), args.output)
+        write_yaml(result.content, args.output)
     elif args.output:
         say(f'{args.output}: not written; no test would separate them')
     if args.json:

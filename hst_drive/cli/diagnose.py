@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The verb ``diagnose``: which physical effect does the model lack?
+The verb ``diagnose``: which physical effect the model lacks.
 
 The logs are one campaign of one drive. The unit is calibrated within its tolerances, every
 effect of the catalogue is fitted, and all are judged on data that was not used for fitting.

@@ -78,6 +78,14 @@ def write_json(data: object, target: str | os.PathLike) -> None:
                target)
 
 
+def write_yaml(data: Mapping, target: str | os.PathLike) -> None:
+    """Write a mapping as YAML, in its order and with short lists on one line, whole or not."""
+    import yaml
+
+    write_text(yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=99,
+                              allow_unicode=True), target)
+
+
 def write_text(text: str, target: str | os.PathLike) -> None:
     """Write a text file, whole or not at all; '-' is standard output."""
     if os.fspath(target) == '-':

@@ -41,7 +41,12 @@ def load_rig(path: str | Path) -> Rig:
 
 def default_rig() -> Rig:
     """Return the shipped test rig of the drill-drive paper."""
-    return load_rig(share('config', 'rig', 'test_rig.yaml'))
+    return load_rig(default_rig_file())
+
+
+def default_rig_file() -> Path:
+    """Return the file of the shipped test rig."""
+    return share('config', 'rig', 'test_rig.yaml')
 
 
 def parse_rig(content: dict, source: str = 'rig') -> Rig:

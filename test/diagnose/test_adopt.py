@@ -10,15 +10,15 @@ from hst_drive.errors import InputError
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.resources import share
-from hst_drive.rig import default_rig, load_rig
+from hst_drive.rig import default_rig, load_rig, parse_rig
 from hst_drive.rig.identity import digest
 from hst_drive.rig.load import read_yaml
 import pytest
 import yaml
 
 RIG = share('config', 'rig', 'test_rig.yaml')
-FOUND = {'stribeck_friction': {'torque': (13.0, 11.5, 14.5, 'N.m'),
-                               'speed': (3.7, 3.2, 4.4, 'rad/s')},
+FOUND = {'bearing_friction': {'coulomb': (13.0, 11.5, 14.5, 'N.m'),
+                              'load_share': (0.02, 0.01, 0.03, '1')},
          'pump_lag': {'time_constant': (0.081, 0.078, 0.084, 's')}}
 
 
@@ -64,17 +64,17 @@ def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
     target = tmp_path / 'rig.yaml'
     code, out, err = run(capsys, written, '-o', target)
     assert code == 0 and not err
-    assert 'stribeck_friction: torque = 13, speed = 3.7' in out
+    assert 'bearing_friction: coulomb = 13, load_share = 0.02' in out
     adopted = load_rig(target)
     drive, plain = Drive(adopted), Drive(default_rig())
-    assert drive.effects == {'stribeck_friction': {'torque': 13.0, 'speed': 3.7},
+    assert drive.effects == {'bearing_friction': {'coulomb': 13.0, 'load_share': 0.02},
                              'pump_lag': {'time_constant': 0.081}}
     for name, place in INDEX.items():
         factor = 1.05 if name == 'motor_leakage_scale' else 1.0
         assert drive.parameters[place] == pytest.approx(factor * plain.parameters[place]), name
     past, = adopted.provenance['adopted']
     assert past['diagnosis'] == str(written) and past['logs'] == ['a.csv']
-    assert past['intervals_95_percent']['stribeck_friction']['torque'] == [11.5, 14.5, 'N.m']
+    assert past['intervals_95_percent']['bearing_friction']['coulomb'] == [11.5, 14.5, 'N.m']
     assert past['indistinguishable_from']['pump_lag'] == ['viscous_drag']
 
 
@@ -84,7 +84,7 @@ def test_adopting_twice_is_refused(written, tmp_path, capsys):
     run(capsys, written, '-o', target)
     before = target.read_bytes()
     said = refused(capsys, written, '--rig', target, '-o', tmp_path / 'twice.yaml')
-    assert "'stribeck_friction' is adopted already" in said and str(target) in said
+    assert "'bearing_friction' is adopted already" in said and str(target) in said
     assert target.read_bytes() == before and not (tmp_path / 'twice.yaml').exists()
 
 
@@ -125,7 +125,7 @@ def test_a_second_diagnosis_is_added_to_the_first(tmp_path):
     second['calibration'] = [{'quantity': 'motor.leakage', 'factor': 1.1},
                              {'quantity': 'motor.inertia', 'factor': 0.9}]
     both = adopt(first, second, 'second.json', 'first.yaml')
-    assert list(both['effects']) == ['stribeck_friction', 'pump_lag', 'back_pressure']
+    assert list(both['effects']) == ['bearing_friction', 'pump_lag', 'back_pressure']
     assert both['calibration'] == {'motor.leakage': pytest.approx(1.05 * 1.1),
                                    'motor.inertia': pytest.approx(0.9)}
     assert [entry['diagnosis'] for entry in both['provenance']['adopted']] == [
@@ -151,7 +151,7 @@ def foreign_effect(content):
 
 
 def no_value(content):
-    content['effects'][0]['parameters']['torque'] = {'value': None}
+    content['effects'][0]['parameters']['coulomb'] = {'value': None}
 
 
 def foreign_parameter(content):
@@ -172,7 +172,7 @@ BAD = {
     'no effects': (lambda content: content.pop('effects'), "key 'effects'"),
     'nothing found': (without_effects, "is 'none' and names no effect"),
     'an effect that is not known': (foreign_effect, "effect 'moon_phase' is not in the catalogue"),
-    'a value that is missing': (no_value, "effect 'stribeck_friction' has no readable"),
+    'a value that is missing': (no_value, "effect 'bearing_friction' has no readable"),
     'a parameter that is not known': (foreign_parameter, "has no parameter 'weight'"),
     'a quantity that is not known': (foreign_quantity, 'motor.colour'),
     'no factor': (no_factor, "key 'calibration'"),
@@ -214,3 +214,10 @@ def test_an_error_of_the_rig_file_names_the_rig_file():
     """Refusals at the level of the library are of the kind that the command line prints."""
     with pytest.raises(InputError, match='ours.yaml: is not the rig'):
         adopt({'motor': {}}, diagnosis(), 'd.json', 'ours.yaml')
+
+
+def test_the_rig_alone_on_standard_output(written, capsys):
+    """With -o - the YAML can be piped; what was added is told on standard error."""
+    code, out, err = run(capsys, written, '-o', '-')
+    assert code == 0 and 'bearing_friction' in err
+    assert parse_rig(yaml.safe_load(out)).effects.keys() == FOUND.keys()
