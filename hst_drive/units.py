@@ -62,12 +62,17 @@ UNITS: dict[str, Unit] = {
     'Pa.s^2/m^6': Unit('Pa.s^2/m^6', 1.0), 'bar/(L/min)^2': Unit('Pa.s^2/m^6', 1e5 * 60e3**2),
     'm^3/(s.Pa)': Unit('m^3/(s.Pa)', 1.0), 'L/min/bar': Unit('m^3/(s.Pa)', 1e-5 / 60e3),
     'N.m.s/rad': Unit('N.m.s/rad', 1.0), 'N.m.s^2/rad^2': Unit('N.m.s^2/rad^2', 1.0),
-    'N.m/rad': Unit('N.m/rad', 1.0), 'V.s/rad': Unit('V.s/rad', 1.0), 'V/rad': Unit('V/rad', 1.0),
+    'N.m/rad': Unit('N.m/rad', 1.0), 'rad/(N.m)': Unit('rad/(N.m)', 1.0),
+    'V.s/rad': Unit('V.s/rad', 1.0), 'V/rad': Unit('V/rad', 1.0),
     'V/s': Unit('V/s', 1.0), '1/Pa': Unit('1/Pa', 1.0), '1/bar': Unit('1/Pa', 1e-5),
     'm^3/(rad.s)': Unit('m^3/(rad.s)', 1.0), 'cc/rev/s': Unit('m^3/(rad.s)', 1e-6 / _REV),
     'm^3/(s.Pa^2)': Unit('m^3/(s.Pa^2)', 1.0), 'm^3/(s.Pa^0.5)': Unit('m^3/(s.Pa^0.5)', 1.0),
     '1': Unit('1', 1.0), '%': Unit('1', 1e-2), '': Unit('1', 1.0),
 }
+
+# What people of the field read, by SI unit; the rest is read as it is.
+_FIELD = {'Pa': 'bar', 'rad/s': 'rpm', 'm^3/s': 'L/min', 'm^3/rad': 'cc/rev', '1/Pa': '1/bar',
+          'm^3/(s.Pa)': 'L/min/bar', 'Pa.s/m^3': 'bar/(L/min)', 'Pa.s^2/m^6': 'bar/(L/min)^2'}
 
 # Spellings found in the field's files; the key is compared without case and spaces.
 _ALIASES = {
@@ -114,6 +119,17 @@ def canonical(unit: str) -> str:
 def si_unit(unit: str) -> str:
     """Return the SI unit of the same dimension, e.g. ``'Pa'`` for ``'bar'``."""
     return UNITS[canonical(unit)].si
+
+
+def for_people(value, unit: str):
+    """
+    Return a difference or a size in SI as people read it, and its unit.
+
+    ``(2e5, 'Pa')`` becomes ``(2.0, 'bar')``; what has no unit of the field stays as it is, also
+    where the table does not know the unit (an effect of another package).
+    """
+    read = _FIELD.get(unit, unit)
+    return (value if read == unit else difference_from_si(value, read)), read
 
 
 def to_si(value, unit: str):

@@ -3,9 +3,10 @@
 """Units: against pint, there and back, spellings of the field, and what is refused."""
 import math
 
+from hst_drive.effects import catalogue
 from hst_drive.units import (
-    canonical, difference_from_si, difference_to_si, from_si, parse_header, si_unit, to_si,
-    UnitError, UNITS)
+    canonical, difference_from_si, difference_to_si, for_people, from_si, parse_header, si_unit,
+    to_si, UnitError, UNITS)
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -17,7 +18,8 @@ PINT = {
     'rev': 'revolution', 'rev/s': 'revolution/s', 'Hz': 'revolution/s', 'klbf': 'klbf',
     'kg.m^2': 'kg*m^2', 'Pa.s/m^3': 'Pa*s/m^3', 'Pa.s^2/m^6': 'Pa*s^2/m^6',
     'm^3/(s.Pa)': 'm^3/(s*Pa)', 'N.m.s/rad': 'N*m*s/rad', 'N.m.s^2/rad^2': 'N*m*s^2/rad^2',
-    'N.m/rad': 'N*m/rad', 'V.s/rad': 'V*s/rad', 'm^3/(rad.s)': 'm^3/(rad*s)',
+    'N.m/rad': 'N*m/rad', 'rad/(N.m)': 'rad/(N*m)', 'V.s/rad': 'V*s/rad',
+    'm^3/(rad.s)': 'm^3/(rad*s)',
     'cc/rev/s': 'cm^3/revolution/s', 'm^3/(s.Pa^2)': 'm^3/(s*Pa^2)',
     'm^3/(s.Pa^0.5)': 'm^3/(s*Pa^0.5)', '1': 'dimensionless', '': 'dimensionless',
     '%': 'percent', 'L/min/bar': 'L/min/bar', 'gal/min': 'gallon/min',
@@ -105,3 +107,22 @@ def test_headers_without_a_unit(text):
 
 def test_si_unit():
     assert (si_unit('bar'), si_unit('degF'), si_unit('lpm')) == ('Pa', 'K', 'm^3/s')
+
+
+@pytest.mark.parametrize('unit', sorted({entry.si for entry in UNITS.values()}))
+def test_what_people_read_is_the_same_size(unit):
+    value, read = for_people(2.5, unit)
+    assert difference_to_si(value, read) == pytest.approx(2.5)
+    assert si_unit(read) == unit
+
+
+def test_what_people_read_of_a_unit_that_is_not_known():
+    assert for_people(2e5, 'Pa') == (pytest.approx(2.0), 'bar')
+    assert for_people(3.0, 'apples') == (3.0, 'apples')
+
+
+def test_every_parameter_of_an_effect_can_be_given_with_its_unit():
+    """On the command line and in rig files: value[unit]."""
+    for effect in catalogue().values():
+        for parameter in effect.parameters:
+            assert si_unit(parameter.unit) == parameter.unit, effect.id

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hst_drive.measure.run import Run
 
 HELP = 'drill, record, compare, find what the model lacks, add it: the main job in a minute'
-_HIDDEN = 'motor_leakage.conductance=1.3e-12'
+_HIDDEN = 'motor_leakage.conductance=0.0078[L/min/bar]'
 _RUNS = ('layered_ground', 'commissioning')
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
 from hst_drive.cli.output import add_json_argument, say, table, write_json
+from hst_drive.units import for_people
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.result import Diagnosis
@@ -104,8 +105,10 @@ def _effects(result: Diagnosis) -> str:
         parameters = catalogue()[entry.id].parameters
         for place, parameter in enumerate(parameters):
             value = entry.parameters[parameter.name]
-            rows.append([entry.id if place == 0 else '', parameter.name, f'{value.value:.4g}',
-                         f'{value.low:.4g} to {value.high:.4g}', value.unit,
+            sizes = [for_people(number, value.unit) for number in value[:3]]
+            size, low, high = (f'{number:.4g}' for number, _ in sizes)
+            rows.append([entry.id if place == 0 else '', parameter.name, size,
+                         f'{low} to {high}', sizes[0][1],
                          f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
 
@@ -130,7 +133,8 @@ def _smallest(result: Diagnosis) -> str:
     rows = []
     for name, size in sorted(result.smallest.items()):
         parameter = catalogue()[name].parameters[0]
-        rows.append([name, parameter.name, f'{size:.3g}', parameter.unit])
+        shown, unit = for_people(size, parameter.unit)
+        rows.append([name, parameter.name, f'{shown:.3g}', unit])
     return table(['effect', 'parameter', 'size', 'unit'], rows)
 
 
