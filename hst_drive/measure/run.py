@@ -92,3 +92,20 @@ class Run:
         return Run(self.name, self.time[keep],
                    {name: values[keep] for name, values in self.channels.items()},
                    self.source, self.notes)
+
+    def slower(self, sample_time: float) -> Run:
+        """
+        Return the recording with samples about ``sample_time`` (s) apart, or itself.
+
+        Signals are averaged about each sample that is kept, commands taken as they stand.
+        """
+        step = int(sample_time / self.sample_time + 1e-6)
+        if step < 2:
+            return self
+        kept = np.arange(step // 2, len(self) - step // 2, step)
+        around = kept[:, None] + np.arange(step) - step // 2
+        channels = {}
+        for name, values in self.channels.items():
+            hold = name in CHANNELS and CHANNELS[name].hold == 'zero'
+            channels[name] = values[kept] if hold else values[around].mean(axis=1)
+        return Run(self.name, self.time[around].mean(axis=1), channels, self.source, self.notes)
