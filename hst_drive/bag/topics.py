@@ -151,6 +151,10 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
           qos=Qos(depth=10), on=False),
 )}
 
+# What the topics without numbers say.
+_WORDS = {'sync': 'nodes of a run find each other and keep step',
+          '/diagnostics': 'whether the efficiencies are valid, and why not'}
+
 CHANNEL_FIELDS: dict[str, tuple[Topic, Field]] = {
     field.channel: (topic, field)
     for topic in TOPICS.values() for field in topic.fields if field.channel}
@@ -193,9 +197,11 @@ def markdown() -> str:
             '|---|---|---|---|---|---|---|---|---|']
     for topic in TOPICS.values():
         qos = f'{topic.qos.reliability}, {topic.qos.durability}, {topic.qos.depth}'
-        for field in topic.fields:
-            unit = f'{field.unit} absolute' if field.absolute else field.unit
-            rows.append(f'| `{topic.full_name()}` | {topic.type} | `{field.path}` | '
-                        f'{field.title} | {unit} | {topic.frame} | {topic.publisher} | {qos} | '
+        cells = [(f'`{field.path}`', field.title,
+                  f'{field.unit} absolute' if field.absolute else field.unit)
+                 for field in topic.fields] or [('', _WORDS[topic.name], '')]
+        for path, title, unit in cells:
+            rows.append(f'| `{topic.full_name()}` | {topic.type} | {path} | '
+                        f'{title} | {unit} | {topic.frame} | {topic.publisher} | {qos} | '
                         f'{"on" if topic.on else "off"} |')
     return '\n'.join(rows) + '\n'

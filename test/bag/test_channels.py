@@ -147,4 +147,10 @@ def test_the_table_of_topics_is_consistent():
                 assert si_unit(field.unit) == CHANNELS[field.channel].unit
             known = STANDARD_UNITS.get((topic.type, field.path.partition('[')[0]))
             assert known in (None, (field.unit, field.absolute))
-            assert f'`{field.path}`' in markdown()
+
+
+def test_the_table_of_the_readme_is_the_table():
+    """Every topic is in it, also those that carry words."""
+    assert all(f'`{topic.full_name()}`' in markdown() for topic in TOPICS.values())
+    readme = Path(__file__).resolve().parents[2] / 'README.md'
+    assert markdown() in readme.read_text(encoding='utf-8')
