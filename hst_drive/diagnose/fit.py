@@ -12,6 +12,7 @@ from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.effects import catalogue
+from hst_drive.effects.formula import FORMULAS
 import numpy as np
 from scipy.optimize import lsq_linear
 
@@ -34,6 +35,15 @@ class Fit(NamedTuple):
     jacobian: np.ndarray
 
 
+def score(campaign: Campaign, fitted: Fit) -> float:
+    """Return the held-out squared error plus the fit's cost; lower is better."""
+    total = 0.0
+    for error, column in zip(fitted.errors, campaign.columns):
+        judged = (error * column.trust)[column.judge] * campaign.thinning(column)
+        total += float(judged @ judged)
+    return total + fitted.cost
+
+
 class Unknowns:
     """
     The unknowns of a model as a vector.
@@ -46,7 +56,7 @@ class Unknowns:
         self.start = model
         self.names = (*(('', key) for key in campaign.tolerances),
                       *((name, key) for name, values in model.effects.items() for key in values
-                        if campaign.fits(name, key)))
+                        if campaign.fits(name, key) and (values[key] or name not in FORMULAS)))
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.low = np.array([low for low, _ in limits]) / self.scale

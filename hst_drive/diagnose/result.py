@@ -52,8 +52,28 @@ class Step(NamedTuple):
     holdout: dict[str, float]
 
 
+class Formula(NamedTuple):
+    """
+    A formula for an unknown as an effect that can be adopted.
+
+    ``before`` and ``after`` are held-out noise ratios without and with it, ``factors`` what the
+    unit's quantities are multiplied with beside it.
+    """
+
+    id: str
+    parameters: dict[str, Value]
+    before: dict[str, float]
+    after: dict[str, float]
+    factors: dict[str, float]
+
+
 class Unknown(NamedTuple):
-    """Where a structured error remains, on what it depends, and a formula for it."""
+    """
+    Where a structured error remains, on what it depends, and a formula for it.
+
+    ``explained`` is the share of the unknown's squared size on held-out blocks that the formula
+    takes; ``formula`` is None if no formula of the drive's variables lowers the error.
+    """
 
     enters: str
     signal: str
@@ -61,6 +81,7 @@ class Unknown(NamedTuple):
     expression: str
     terms: tuple[dict, ...]
     explained: float
+    formula: Formula | None = None
 
 
 class NextTest(NamedTuple):

@@ -12,7 +12,7 @@ import os
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import Fit, fit
+from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import contribution, Gain, gain, unexplained, worthwhile
 import numpy as np
 
@@ -56,11 +56,7 @@ class Search:
 
     def score(self, fitted: Fit) -> float:
         """Return the held-out squared error plus what the priors ask; lower is better."""
-        total = 0.0
-        for error, column in zip(fitted.errors, self.campaign.columns):
-            judged = (error * column.trust)[column.judge] * self.campaign.thinning(column)
-            total += float(judged @ judged)
-        return total + fitted.cost
+        return score(self.campaign, fitted)
 
     def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]],
                 what: str) -> list[Candidate]:

@@ -84,7 +84,7 @@ _BALANCE = ('pressure', 'speed', 'warmth', 'pump', 'pprv', 'cosine', 'sine')
 _LOAD = ('torque', 'speed', 'warmth', 'pprv', 'cosine', 'sine')
 # Effect -> variables of its formula.
 VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_flow': _BALANCE,
-             'formula_pump_flow': _BALANCE}
+             'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE}
 
 
 def _declare(name: str, title: str, slot: str, function, unit: str, typical: float) -> Effect:
@@ -111,6 +111,8 @@ FORMULAS: dict[str, Effect] = {effect.id: effect for effect in (
              'motor_flow_loss', loss, 'm^3/s', 1e-6),
     _declare('formula_pump_flow', 'a formula for oil that the pump delivers or loses',
              'pump_flow_loss', loss, 'm^3/s', 1e-6),
+    _declare('formula_pressure_reading', 'a formula for what is wrong with the pressure reading',
+             'pressure_reading', product, 'Pa', 1e5),
 )}
 
 

@@ -159,7 +159,7 @@ class PartModel:
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))
         full = float(np.max(self.terms('pump_stroke_time', known)))
-        rate = pump.max_displacement / full if full > 0 else math.inf
+        rate = pump.max_displacement / full if full > 0 else 1e30
         return _follow(time, target, max(lag, 1e-6), rate)
 
     def pump_flow(self, known: Known) -> Any:

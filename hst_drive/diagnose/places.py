@@ -1,0 +1,202 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where an unknown may enter, and how large it is over time.
+
+A wrong equation moves the replayed signals in a direction of its own: oil that the pump side
+loses lowers flow and speed together, oil lost in the hydromotor the speed alone, a missing
+torque shows as pressure, a wrong load as torque alone, and a wrong torque reading as torque and
+pressure together. How large the unknown is says the balance that it enters, fed with the other
+measured signals: no motion that the model gets wrong blurs it.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.part import PartCampaign
+from hst_drive.errors import InputError
+from hst_drive.measure.part import PartReplay
+from hst_drive.model.part import PartModel
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+WINDOW = 0.10       # s, standard deviation of the smoothing
+_PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
+_ANGLE = ('motor_angle_cos', 'motor_angle_sin')
+_LOAD = ('pprv_command', 'motor_speed', 'oil_temperature', 'load_torque', *_ANGLE,
+         'pprv_command_rate', 'pprv_command_history', 'pprv_command_creep')
+_TORQUE = (*_PRESSURE, 'motor_speed', 'oil_temperature', *_ANGLE)
+_PUMP = (*_PRESSURE, 'pump_command', 'oil_temperature', 'pump_command_rate',
+         'pump_command_history', 'pump_speed')
+
+
+class Place(NamedTuple):
+    """
+    A place where an unknown may enter.
+
+    ``moves`` maps signals to how far they move per unit of the unknown, SI; ``reads`` are the
+    variables that it may depend on, ``formula`` the effect that can carry it (or ''), ``balance``
+    the balance of a part that shows its size and ``sign`` what that balance's error means.
+    """
+
+    name: str
+    enters: str
+    signal: str
+    unit: str
+    moves: dict[str, float]
+    reads: tuple[str, ...]
+    formula: str = ''
+    balance: str = ''
+    sign: float = 1.0
+
+
+def places(campaign: Campaign) -> list[Place]:
+    """Return the places that the channels can tell apart."""
+    rig = campaign.rig
+    if isinstance(campaign, PartCampaign):
+        return _parts(campaign)
+    per_torque = 1.0 / (0.88 * rig.motor.displacement)
+    flow, speed, pressure = 'motor_inlet_flow', 'motor_speed', 'pump_outlet_pressure'
+    torque, displacement = 'load_torque', rig.motor.displacement
+    found = [
+        Place('oil delivered by the pump', 'flow', flow, 'm^3/s',
+              {flow: 1.0, speed: 1.0 / displacement}, _PUMP, 'formula_pump_flow', 'pump flow'),
+        Place('oil that turns the hydromotor', 'flow', speed, 'm^3/s',
+              {speed: 1.0 / displacement}, _TORQUE, 'formula_motor_flow', 'hydromotor speed',
+              displacement),
+        Place('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE)),
+        Place('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
+              _TORQUE, 'formula_torque', 'hydromotor torque'),
+        Place('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
+        Place('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
+              ('load_torque', *_TORQUE)),
+    ]
+    have = set(campaign.signals)
+    kept: list[Place] = []
+    for place in found:
+        moves = {name: move for name, move in place.moves.items() if name in have}
+        # Without its partner signal a sensor's place is the same as the physical one.
+        if moves and not (place.enters == 'sensor' and len(moves) < len(place.moves)):
+            if not any(set(other.moves) == set(moves) and len(moves) == 1 and
+                       other.enters == place.enters for other in kept):
+                kept.append(place._replace(moves=moves, signal=next(iter(moves))))
+    return kept
+
+
+def _parts(campaign: PartCampaign) -> list[Place]:
+    """Return one place per balance of the logs of a part."""
+    displacement = campaign.drive.motor_displacement
+    known = {
+        'hydromotor torque': ('torque of the hydromotor', 'torque', 'N.m', _TORQUE,
+                              'formula_torque', 1.0),
+        'mass': ('torque on the mass', 'torque', 'N.m', _TORQUE, 'formula_torque', -1.0),
+        'pump flow': ('oil delivered by the pump', 'flow', 'm^3/s', _PUMP, 'formula_pump_flow',
+                      1.0),
+        'hydromotor flow': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
+                            'formula_motor_flow', -1.0),
+        'hydromotor speed': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
+                             'formula_motor_flow', displacement),
+        'flow through both': ('oil delivered by the pump', 'flow', 'm^3/s', _PUMP,
+                              'formula_pump_flow', displacement),
+        'case drain': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
+                       'formula_motor_flow', -1.0),
+        'stroke': ('displacement of the pump', 'pump_actuator', 'm^3/rad', _PUMP, '', 1.0),
+        'line': ('pressure lost in the line', 'torque', 'Pa', ('motor_inlet_flow', *_TORQUE), '',
+                 1.0),
+    }
+    found = {}
+    for replay in campaign.replays:
+        for signal, balance in replay.balances.items():
+            name, enters, unit, reads, formula, sign = known[balance]
+            found[signal] = Place(name, enters, signal, unit, {signal: 1.0 / sign}, reads,
+                                  formula, balance, sign)
+    return list(found.values())
+
+
+def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]:
+    """Return model minus measurement over the floor, smoothed, log by log."""
+    logs: list[dict[str, np.ndarray]] = [{} for _ in campaign.replays]
+    for error, column in zip(model.errors, campaign.columns):
+        used = _used(campaign, column.log, column.signal)
+        clean = np.where(used, np.clip(error * column.trust, -50, 50), 0.0)
+        logs[column.log][column.signal] = _smooth(campaign, column.log, clean)
+    return logs
+
+
+def _smooth(campaign: Campaign, log: int, values: np.ndarray) -> np.ndarray:
+    replay = campaign.replays[log]
+    if getattr(replay, 'static', False):
+        return values
+    return gaussian_filter1d(values, max(WINDOW / replay.run.sample_time, 0.5))
+
+
+def _used(campaign: Campaign, log: int, signal: str) -> np.ndarray:
+    used = np.zeros(len(campaign.replays[log].run), dtype=bool)
+    for column in campaign.columns:
+        if column.log == log and column.signal == signal:
+            used[column.fit] = used[column.judge] = True
+    return used
+
+
+def locate(campaign: Campaign, model: Fit) -> Place | None:
+    """Return the place whose direction holds most of the error; None if there is none."""
+    errors = smooth_errors(campaign, model)
+    best, most = None, 0.0
+    for place in places(campaign):
+        held = 0.0
+        for index, log in enumerate(errors):
+            size, weight = _project(campaign, index, log, place)
+            held += float(size @ size) * weight
+        # One more signal always holds more noise: a place must earn it.
+        held *= 1.0 if len(place.moves) == 1 else 0.98
+        if held > most:
+            best, most = place, held
+    return best
+
+
+def _project(campaign: Campaign, index: int, errors: dict[str, np.ndarray],
+             place: Place) -> tuple[np.ndarray, float]:
+    """Return the size of the unknown over one log, and the weight of its square."""
+    top: np.ndarray | float = 0.0
+    bottom = 0.0
+    for name, move in place.moves.items():
+        if name in errors:
+            scaled = move / campaign.floors[index][name]
+            top = top - scaled * errors[name]
+            bottom += scaled**2
+    return top / max(bottom, 1e-30) * np.ones(len(campaign.replays[index].run)), bottom
+
+
+def sizes(campaign: Campaign, model: Fit,
+          place: Place) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return the unknown over time in the place's unit, and which samples count, log by log."""
+    errors = smooth_errors(campaign, model)
+    values, counts = [], []
+    for index in range(len(campaign.replays)):
+        found = None if isinstance(campaign, PartCampaign) else _from_balance(
+            campaign, model, place, index)
+        if found is None:
+            found = _project(campaign, index, errors[index], place)[0]
+        used = _used(campaign, index, place.signal) & np.isfinite(found)
+        values.append(_smooth(campaign, index, np.where(used, found, 0.0)))
+        counts.append(used)
+    return values, counts
+
+
+def _from_balance(campaign: Campaign, model: Fit, place: Place, index: int) -> np.ndarray | None:
+    """Return the error of the place's own balance; None if the log does not close it."""
+    if not place.balance:
+        return None
+    part = PartModel(campaign.rig, model.model.effects, {
+        key: float(np.exp(value)) for key, value in model.model.factors.items()})
+    try:
+        replay = PartReplay(campaign.replays[index].run, part)
+    except InputError:
+        return None
+    signal = next((name for name, balance in replay.balances.items()
+                   if balance == place.balance), None)
+    if signal is None or replay.static:
+        return None
+    return place.sign * (replay.run[signal] - replay.predict(part).signals[signal])
