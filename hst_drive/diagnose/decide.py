@@ -144,8 +144,9 @@ def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
 
 def _beaten(search: Search, best: Candidate, rival: Candidate) -> bool:
     """Say whether the data tell the rival from the best explanation."""
-    found = search.gain(rival, best)
+    # Rivals have about as many parameters: what was fitted may judge between them, too.
     clear = any(found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
+                for found in (search.gain(rival, best), search.gain(rival, best, False))
                 for name in found.share)
     return clear and rival.score - best.score > _BEATEN_SCORE
 

@@ -16,6 +16,7 @@ from hst_drive.diagnose.fit import Fit
 import numpy as np
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
+IN_SAMPLE = 0.3         # the same on data that was fitted, where held-out data cannot show it
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.08
@@ -55,11 +56,13 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
     return Gain(share, sigma, amount)
 
 
-def contribution(campaign: Campaign, base: Fit, model: Fit) -> dict[str, float]:
-    """Return what the effects of a model do to each signal, rms in floors, on held-out data."""
+def contribution(campaign: Campaign, base: Fit, model: Fit,
+                 held_out: bool = True) -> dict[str, float]:
+    """Return what the effects of a model do to each signal, rms in floors."""
     total: dict[str, list[float]] = {}
     for first, second, column in zip(base.errors, model.errors, campaign.columns):
-        moved = ((first - second) * column.trust)[column.judge]
+        chosen = column.judge if held_out else column.fit
+        moved = ((first - second) * column.trust)[chosen]
         entry = total.setdefault(column.signal, [0.0, 0.0])
         entry[0] += float(moved @ moved)
         entry[1] += len(moved)
@@ -67,7 +70,13 @@ def contribution(campaign: Campaign, base: Fit, model: Fit) -> dict[str, float]:
             for name, (power, count) in total.items()}
 
 
-def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
+def unharmed(found: Gain) -> bool:
+    """Say whether no signal gets significantly worse."""
+    return all(value > -SIGNIFICANT or found.share[name] > -0.5 * PRACTICAL
+               for name, value in found.sigma.items())
+
+
+def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL) -> bool:
     """
     Say whether a gain is significant and large enough to name an effect for.
 
@@ -77,9 +86,11 @@ def worthwhile(found: Gain, done: Mapping[str, float]) -> bool:
         What the additional effect gains.
     done : mapping of str to float
         ``contribution`` of the effects that are in already.
+    least : float
+        Share of the squared error that must go.
 
     """
-    return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= PRACTICAL
+    return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= least
                and found.amount[name] >= (FORM_SHARE * done.get(name, 0.0))**2
                for name in found.share)
 

@@ -13,7 +13,8 @@ from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import contribution, Gain, gain, unexplained, worthwhile
+from hst_drive.diagnose.judge import (
+    contribution, Gain, gain, IN_SAMPLE, unexplained, unharmed, worthwhile)
 import numpy as np
 
 MOST_EFFECTS = 3
@@ -103,10 +104,24 @@ class Search:
         side = self.factors.T @ residual
         return float(residual @ residual - side @ np.linalg.solve(normal, side))
 
-    def gain(self, before: Candidate, after: Candidate) -> Gain:
-        """Compare two candidates on held-out data."""
-        return gain(self.campaign.blocks(before.fit.errors),
-                    self.campaign.blocks(after.fit.errors))
+    def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
+        """Compare two candidates on held-out data, or on what was fitted."""
+        return gain(self.campaign.blocks(before.fit.errors, held_out),
+                    self.campaign.blocks(after.fit.errors, held_out))
+
+    def worthwhile(self, before: Candidate, after: Candidate) -> bool:
+        """
+        Say whether what the second has more is worth naming.
+
+        Held-out logs may not visit where an effect shows: then a large gain on the logs that were
+        fitted counts, if nothing gets worse on the others.
+        """
+        held_out = self.gain(before, after)
+        if worthwhile(held_out, self.done(before)):
+            return True
+        fitted = self.gain(before, after, False)
+        return unharmed(held_out) and worthwhile(
+            fitted, contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
 
     def done(self, candidate: Candidate) -> dict[str, float]:
         """Return what the candidate's effects do to each signal, rms in floors."""
@@ -168,7 +183,7 @@ class Search:
         beam = level[:_BEAM]
         for _ in range(MOST_EFFECTS):
             top = self.refine(beam[0])
-            if not worthwhile(self.gain(best, top), self.done(best)):
+            if not self.worthwhile(best, top):
                 break
             best = top
             if not self.unexplained(best) or len(best.names) == MOST_EFFECTS:
@@ -186,7 +201,7 @@ class Search:
                  for out in best.names], 'taking effects out')
             fewer.sort(key=lambda item: item.score)
             without = self.refine(fewer[0])
-            if worthwhile(self.gain(without, best), self.done(without)):
+            if self.worthwhile(without, best):
                 return best
             best = without
         return best
