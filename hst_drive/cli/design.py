@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     """Design and say what to expect."""
     from hst_drive.cli.diagnose import progress_line
     from hst_drive.diagnose.design import design
-    from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis
+    from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, widened
     from hst_drive.diagnose.trials import limits
 
     wanted = [name.strip() for name in args.effects.split(',') if name.strip()] \
@@ -65,7 +65,10 @@ def run(args: argparse.Namespace) -> int:
               'is ambiguous: there is nothing to separate (--effects A,B asks for two)')
         return 0
     limits(rig)
-    result = design(rig, matched(rig, rivals), rivals.channels, duration=args.duration,
+    models = matched(rig, rivals)
+    if not rivals.asked:
+        models = widened(rig, models, rivals.channels)
+    result = design(rig, models, rivals.channels, duration=args.duration,
                     closed_loop=args.closed_loop, progress=progress_line())
     if args.json != '-':
         print(text(result, args.output))

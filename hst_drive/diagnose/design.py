@@ -16,23 +16,21 @@ from typing import Callable, Iterable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.rehearse import sensors
 from hst_drive.diagnose.rivals import told_apart
-from hst_drive.diagnose.separation import driver, Pair, Rehearsal, verify
+from hst_drive.diagnose.separation import CLEAR, driver, Pair, Rehearsal, verify
 from hst_drive.diagnose.trials import (
-    FAMILIES, LONGEST, plain_drilling, scenario, Segment, SPIN_UP, Trial)
+    ease, FAMILIES, LONGEST, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.rig import Rig
 import numpy as np
 
-CLEAR = 3.5             # sigma of the worst pair at which a diagnosis will tell the rivals apart
 HOPELESS = 2.0
 SHORTEST = 20.0         # s
 _QUICK = 33.0           # s
 _SEED = 20260101
 _MIXED, _ROUNDS, _CHANGED, _KEPT = 12, 2, 8, 4
 _WARM_SHARE = 0.25      # of the mixtures
-_WARM_COST = 0.8        # warming the oil takes trouble: worth it from this ratio on
 _RELIEF = 0.95          # of the relief valve's set pressure: what a rehearsal may reach
 EXTRA = ('motor_inlet_pressure', 'case_drain_flow', 'pump_displacement', 'pump_speed',
          'motor_inlet_flow', 'motor_speed', 'load_torque', 'pump_outlet_pressure')
@@ -136,7 +134,7 @@ class Designer:
         if rehearsal.highest > _RELIEF * self.rig.relief_valve.set_pressure:
             return Rated(trial, 0.0)
         worst = self.worst(rehearsal, self.channels)
-        return Rated(trial, worst * (_WARM_COST if trial.warming else 1.0))
+        return Rated(trial, worst * ease(trial))
 
     @staticmethod
     def worst(rehearsal: Rehearsal, channels: Iterable[str]) -> float:
@@ -192,6 +190,17 @@ class Designer:
         self.progress('verifying the best test')
         return verify(self.rig, self.scenario(trial), self.models, channels, _SEED)
 
+    def long_enough(self, trial: Trial, channels: Iterable[str], duration: float,
+                    expected: float) -> tuple[Trial, float]:
+        """Return the trial, played twice where once is not enough, and what it reaches."""
+        twice = trial._replace(segments=trial.segments + trial.segments)
+        fits = twice.duration <= duration + 1e-6
+        if not fits or expected >= CLEAR:
+            reached = self.verified(trial, channels)
+            if not fits or reached >= CLEAR:
+                return trial, reached
+        return twice, self.verified(twice, channels)
+
 
 def design(rig: Rig, models: Sequence[Model], channels: Iterable[str], *,
            duration: float = LONGEST, closed_loop: bool = False,
@@ -227,14 +236,11 @@ def design(rig: Rig, models: Sequence[Model], channels: Iterable[str], *,
     half = max(duration / 2, SHORTEST)
     rated = work.search(half)
     trial = rated[0].trial
-    reached = work.verified(trial, work.channels)
-    twice = trial._replace(segments=trial.segments + trial.segments)
-    if reached < CLEAR and twice.duration <= duration + 1e-6:
-        trial, reached = twice, work.verified(twice, work.channels)
+    trial, reached = work.long_enough(trial, work.channels, duration, rated[0].worst)
     advice, sensor, alone, options = 'profile', '', reached, {}
     if reached < CLEAR:
         options = _sensors(work, rated, duration)
-        sensor, trial, reached, advice = _with_sensor(work, options, rated, trial, reached)
+        sensor, trial, reached, advice = _with_sensor(work, options, duration, trial, reached)
     pairs = work.rehearsal(trial).pairs((*work.channels, sensor))
     names = tuple(tuple(model.effects) for model in models)
     title = 'Tell apart: ' + ', '.join(told_apart(models))
@@ -262,17 +268,14 @@ def _sensors(work: Designer, rated: Sequence[Rated],
     return found
 
 
-def _with_sensor(work: Designer, options, rated, trial: Trial,
+def _with_sensor(work: Designer, options, duration: float, trial: Trial,
                  reached: float) -> tuple[str, Trial, float, str]:
     """Return the sensor to add, the test, what both reach, and the advice."""
     name = max(options, key=lambda key: options[key][0], default='')
     if name:
         suited = options[name][1]
         channels = (*work.channels, name)
-        value = work.verified(suited, channels)
-        twice = suited._replace(segments=suited.segments + suited.segments)
-        if value < CLEAR and twice.duration <= LONGEST + 1e-6:
-            suited, value = twice, work.verified(twice, channels)
+        suited, value = work.long_enough(suited, channels, duration, options[name][0])
         if value >= CLEAR:
             plain = work.verified(plain_drilling(suited.duration), channels)
             return name, suited, value, 'sensor' if plain >= CLEAR else 'both'

@@ -11,7 +11,8 @@ from hst_drive.diagnose.adopt import SCHEMA
 from hst_drive.diagnose.campaign import Campaign, Model, neutral, typical
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.rehearse import rehearse
-from hst_drive.diagnose.separation import driver, recorded, SHARE, within_limits
+from hst_drive.diagnose.separation import (
+    CLEAR, driver, recorded, Rehearsal, SHARE, within_limits)
 from hst_drive.diagnose.trials import plain_drilling, scenario
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
@@ -19,19 +20,22 @@ from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario
 from hst_drive.rig import Rig
 
-_MOST = 6
+_TWINS = 2
+_MOST, _WIDEST = 5, 6     # explanations that a diagnosis left, and with their twins
 
 
 class Rivals(NamedTuple):
     """
     Explanations of the same logs.
 
-    ``models`` holds the sizes where they are known; ``channels`` the recorded signals.
+    ``models`` holds the sizes where they are known; ``channels`` the recorded signals; ``asked``
+    whether the user named them.
     """
 
     names: tuple[tuple[str, ...], ...]
     models: tuple[Model | None, ...]
     channels: tuple[str, ...]
+    asked: bool = False
 
 
 def by_name(names: Sequence[str], channels: Iterable[str] = (),
@@ -66,7 +70,7 @@ def by_name(names: Sequence[str], channels: Iterable[str] = (),
     beside = beside or Model()
     others = tuple(name for name in beside.effects if name not in names)
     models = [beside if name in beside.effects else None for name in names]
-    return Rivals(tuple((*others, name) for name in names), tuple(models), tuple(channels))
+    return Rivals(tuple((*others, name) for name in names), tuple(models), tuple(channels), True)
 
 
 def of_diagnosis(diagnosis: dict, source: str,
@@ -156,6 +160,31 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
                            for name, values in effects.items()})
         models.append(Model(model.effects, lead.factors))
     return models
+
+
+def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[Model]:
+    """
+    Return the rivals and the effects nearest to the first on a plain drilling log.
+
+    No machine follows one formula exactly, so that what beat a near twin of the effect found by
+    a hair may be its form. A test should separate the twin as well.
+    """
+    models = list(models)
+    shared = set.intersection(*(set(model.effects) for model in models))
+    tried = {name for model in models for name in model.effects}
+    room = min(_WIDEST - len(models), _TWINS)
+    if room <= 0 or len(models[0].effects) != len(shared) + 1:
+        return models
+    kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
+    others = [Model({**kept, name: typical(name)}, models[0].factors)
+              for name in catalogue() if name not in tried and name not in rig.effects]
+    play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
+    rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
+    found = sorted((rehearsal.pair(0, place, channels).significance, place)
+                   for place in range(1, len(others) + 1))
+    near = [others[place - 1] for sigma, place in found[:room] if sigma < CLEAR]
+    names = tuple(tuple(model.effects) for model in (*models, *near))
+    return matched(rig, Rivals(names, (*models, *(None for _ in near)), tuple(channels)))
 
 
 def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:

@@ -24,6 +24,7 @@ from hst_drive.rig import Rig
 import numpy as np
 from scipy.optimize import lsq_linear
 
+CLEAR = 3.5             # sigma of the worst pair at which a diagnosis will tell rivals apart
 SHARE = 0.03            # of the held-out squared error: less does not tell models apart
 _HELD_OUT = 1 / 3       # share of the blocks that will judge
 _INDEPENDENT = 20.0     # independent samples in a block of noise
@@ -146,10 +147,10 @@ class Rehearsal:
         return Pair(truth, rival, float(min(max(sigmas), np.sqrt(energy), _MOST)), differences)
 
     def pairs(self, channels: Iterable[str]) -> list[Pair]:
-        """Return all ordered pairs."""
+        """Return all pairs, each in one order."""
         channels = tuple(channels)
         return [self.pair(truth, rival, channels) for truth in range(len(self.models))
-                for rival in range(len(self.models)) if rival != truth]
+                for rival in range(truth + 1, len(self.models))]
 
 
 def expected_sigma(blocks: np.ndarray) -> float:

@@ -19,7 +19,10 @@ import numpy as np
 LONGEST = 120.0         # s
 SPIN_UP = 3.0           # s, lightly loaded, before the first segment
 MARGIN = 0.8            # of the relief valve's set pressure: what steady load may ask for
+_EASE = {'unloaded': 0.8, 'creeping': 0.8, 'standstill': 0.7}
+_WARM_EASE = 0.8        # warming the oil takes time and a heater
 _STEP = 0.02            # s: shortest ramp, so that times rise
+_LIGHT = 0.1            # of the greatest load: below, tables are steep and units differ most
 _WARMING = 15.0         # K either side of the temperature at which the tables were measured
 
 
@@ -81,8 +84,11 @@ def limits(rig: Rig) -> Limits:
     unit = LoadingUnit.of(rig.loading)
     commands = np.linspace(unit.command[0], unit.command[-1], 101)
     fitting = [value for value in commands if unit.torque_of_command(value, fast) <= torque]
-    light = float(commands[0])
-    return Limits(0.08 * fast, fast, light, float(max(fitting, default=light)))
+    heavy = float(max(fitting, default=commands[0]))
+    least = _LIGHT * unit.torque_of_command(heavy, fast)
+    light = next((value for value in commands if unit.torque_of_command(value, fast) >= least),
+                 commands[0])
+    return Limits(0.12 * fast, fast, float(min(light, heavy)), heavy)
 
 
 Knots = list[tuple[float, float]]
@@ -155,7 +161,7 @@ def _fast_steps(pen, random, bounds, duration):
 
 def _creeping(pen, random, bounds, duration):
     count = max(int(duration / random.uniform(2.0, 5.0)), 1)
-    speeds = _spread(random, 0.3 * bounds.slow, 3 * bounds.slow, count)
+    speeds = _spread(random, 0.4 * bounds.slow, 2 * bounds.slow, count)
     for speed, load in zip(speeds, _spread(random, bounds.light, 0.6 * bounds.heavy, count)):
         pen.go(speed, load, duration / count, 0.3)
 
@@ -163,7 +169,7 @@ def _creeping(pen, random, bounds, duration):
 def _unloaded(pen, random, bounds, duration):
     count = max(int(duration / random.uniform(2.0, 6.0)), 1)
     for speed in _spread(random, bounds.slow, bounds.fast, count):
-        pen.go(speed, bounds.light, duration / count, 0.3)
+        pen.go(speed, 0.0, duration / count, 0.3)
 
 
 def _standstill(pen, random, bounds, duration):
@@ -198,6 +204,13 @@ WORDS: dict[str, str] = {
 def plain_drilling(duration: float) -> Trial:
     """Return what everybody has recorded."""
     return Trial((Segment('drilling', 0, duration - SPIN_UP),))
+
+
+def ease(trial: Trial) -> float:
+    """Return what an expected significance is worth: extremes stress what no model has right."""
+    families = {segment.family for segment in trial.segments}
+    return float(np.prod([_EASE.get(name, 1.0) for name in families])) * (
+        _WARM_EASE if trial.warming else 1.0)
 
 
 def scenario(trial: Trial, rig: Rig, closed_loop: bool, title: str = 'Test') -> dict:
