@@ -24,6 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="what 'diagnose --json' wrote")
     parser.add_argument('-o', '--output', metavar='RIG.yaml', required=True,
                         help='rig file to write')
+    parser.add_argument('--formula', action='store_true',
+                        help="where something stayed unknown: adopt the diagnosis' formula for it")
     add_rig_argument(parser)
 
 
@@ -36,7 +38,7 @@ def run(args: argparse.Namespace) -> int:
     diagnosis = read_json(args.diagnosis)
     rig_file = args.rig or str(default_rig_file())
     rig = read_yaml(rig_file)
-    adopted = adopt(rig, diagnosis, args.diagnosis, rig_file)
+    adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula)
     parse_rig(adopted, args.output)
     if Path(args.output).exists() and Path(args.output).samefile(rig_file):
         raise InputError(f'{args.output}: is the rig that was diagnosed; choose another name, so '

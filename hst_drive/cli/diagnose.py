@@ -17,7 +17,7 @@ from hst_drive.cli.output import add_json_argument, say, table, write_json
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
-    from hst_drive.diagnose.result import Diagnosis
+    from hst_drive.diagnose.result import Diagnosis, Unknown
 
 HELP = 'say which physical effect the model lacks, how large it is and how sure that is'
 
@@ -75,7 +75,8 @@ def text(result: Diagnosis, short: bool = False) -> str:
         lines += ['', f'the unknown enters at: {unknown.enters.replace("_", " ")}, seen in '
                   f'{unknown.signal}', f'depends on: {", ".join(unknown.depends_on) or "-"}',
                   f'formula: {unknown.expression}',
-                  f'it explains {100 * unknown.explained:.0f} % of what is left there']
+                  f'it explains {100 * unknown.explained:.0f} % of what is left there',
+                  _worth(unknown)]
     if short:
         return '\n'.join(lines)
     if result.rivals:
@@ -161,9 +162,28 @@ def as_json(result: Diagnosis) -> dict:
                              for name, size in result.smallest.items()},
         'calibration': [entry._asdict() for entry in result.calibration],
         'rivals': result.rivals,
-        'unknown': unknown._asdict() if unknown else None,
+        'unknown': _unknown_json(unknown) if unknown else None,
         'next_test': result.next_test._asdict() if result.next_test else None,
     }
+
+
+def _unknown_json(unknown: Unknown) -> dict:
+    formula = unknown.formula
+    return {**unknown._asdict(), 'formula': formula and {
+        **formula._asdict(),
+        'parameters': {key: value._asdict() for key, value in formula.parameters.items()}}}
+
+
+def _worth(unknown: Unknown) -> str:
+    """Say what the formula does to the error when it becomes part of the model."""
+    formula = unknown.formula
+    if formula is None:
+        return 'in the model no formula of these variables lowers the error: nothing to adopt'
+    falls = ', '.join(f'{name} {formula.before[name]:.2f} to {formula.after[name]:.2f}'
+                      for name in formula.before
+                      if abs(formula.before[name] - formula.after[name]) >= 0.05)
+    return (f"in the model ('adopt --formula', {formula.id}) it brings held-out error over the "
+            f'noise down: {falls}')
 
 
 def _unit(name: str) -> str:

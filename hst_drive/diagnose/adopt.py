@@ -6,6 +6,7 @@ from __future__ import annotations
 from copy import deepcopy
 
 from hst_drive.effects import catalogue
+from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
 from hst_drive.rig.identity import digest
 from hst_drive.rig.schema import TOLERANCES
@@ -13,7 +14,8 @@ from hst_drive.rig.schema import TOLERANCES
 SCHEMA = 'hst_drive/diagnosis/1'
 
 
-def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
+def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
+          formula: bool = False) -> dict:
     """
     Return the mapping of a rig file with the effects that a diagnosis found.
 
@@ -25,6 +27,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
         What ``diagnose --json`` wrote.
     source, rig_source : str
         Their files, for messages.
+    formula : bool
+        Adopt the formula for the unknown as well, beside the effects as they were fitted with it.
 
     Raises
     ------
@@ -41,7 +45,12 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
     if not isinstance(effects, list) or not all(isinstance(entry, dict) for entry in effects):
         raise InputError(f"{source}: key 'effects' is {type(effects).__name__}, expected a list "
                          'of effects; write the diagnosis again')
+    if formula:
+        effects = [*_beside(effects, diagnosis, source), _formula(diagnosis, source)]
     if not effects:
+        if _formula_of(diagnosis):
+            raise InputError(f"{source}: the diagnosis is 'unknown' and names no effect; add "
+                             '--formula to adopt its formula')
         raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}' and names no "
                          'effect: there is nothing to adopt')
     names = [str(entry.get('id')) for entry in effects]
@@ -58,7 +67,10 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
     adopted['effects'] = {**(rig.get('effects') or {}),
                           **{name: _values(entry, source) for name, entry in zip(names, effects)}}
     factors = dict(rig.get('calibration') or {})
-    for key, factor in _factors(diagnosis, source).items():
+    found = _factors(diagnosis, source)
+    if formula:
+        found = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
+    for key, factor in found.items():
         factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
     adopted['calibration'] = factors
     past = list((rig.get('provenance') or {}).get('adopted', []))
@@ -68,7 +80,7 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str) -> dict:
 
 def _values(entry: dict, source: str) -> dict[str, float]:
     name = str(entry.get('id'))
-    if name not in catalogue():
+    if name not in catalogue(everything=True):
         raise InputError(f"{source}: effect '{name}' is not in the catalogue; see "
                          "'hst-drive effects'")
     try:
@@ -76,12 +88,46 @@ def _values(entry: dict, source: str) -> dict[str, float]:
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
                          'diagnosis again') from None
-    known = [parameter.name for parameter in catalogue()[name].parameters]
+    known = [parameter.name for parameter in catalogue(everything=True)[name].parameters]
     for key in values:
         if key not in known:
             raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "
                              f'{", ".join(known)}')
+    if name in FORMULAS:
+        # Powers of 0 are what a formula has without being told.
+        values = {key: value for key, value in values.items()
+                  if value or key.startswith('coefficient')}
     return values
+
+
+def _formula_of(diagnosis: dict) -> dict | None:
+    unknown = diagnosis.get('unknown')
+    found = unknown.get('formula') if isinstance(unknown, dict) else None
+    return found if isinstance(found, dict) else None
+
+
+def _formula(diagnosis: dict, source: str) -> dict:
+    found = _formula_of(diagnosis)
+    if found is None or found.get('id') not in FORMULAS:
+        raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}' and has no "
+                         'formula that lowers the error; leave --formula out')
+    return found
+
+
+def _beside(effects: list[dict], diagnosis: dict, source: str) -> list[dict]:
+    """Return the effects with the values that they have beside the formula."""
+    values = _formula(diagnosis, source).get('beside')
+    moved = []
+    for entry in effects:
+        own = values.get(entry.get('id')) if isinstance(values, dict) else None
+        parameters = entry.get('parameters')
+        if not isinstance(own, dict) or not isinstance(parameters, dict):
+            raise InputError(f"{source}: key 'unknown.formula.beside' lacks '{entry.get('id')}'; "
+                             'write the diagnosis again')
+        moved.append({**entry, 'parameters': {
+            key: {**value, 'value': own.get(key)} if isinstance(value, dict) else value
+            for key, value in parameters.items()}})
+    return moved
 
 
 def _factors(diagnosis: dict, source: str) -> dict[str, float]:
@@ -92,10 +138,17 @@ def _factors(diagnosis: dict, source: str) -> dict[str, float]:
     except (KeyError, TypeError, ValueError):
         raise InputError(f"{source}: key 'calibration' is not a list of quantities with factors; "
                          'write the diagnosis again') from None
-    for key in factors:
+    return _known_factors(factors, source, 'calibration')
+
+
+def _known_factors(factors: dict, source: str, where: str) -> dict[str, float]:
+    for key, value in factors.items():
         if key not in TOLERANCES:
-            raise InputError(f"{source}: key 'calibration' names '{key}'; known: "
+            raise InputError(f"{source}: key '{where}' names '{key}'; known: "
                              f'{", ".join(TOLERANCES)}')
+        if not isinstance(value, float):
+            raise InputError(f"{source}: key '{where}.{key}' is {value!r}, expected a number; "
+                             'write the diagnosis again')
     return factors
 
 

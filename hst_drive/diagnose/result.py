@@ -57,7 +57,7 @@ class Formula(NamedTuple):
     A formula for an unknown as an effect that can be adopted.
 
     ``before`` and ``after`` are held-out noise ratios without and with it, ``factors`` what the
-    unit's quantities are multiplied with beside it.
+    unit's quantities are multiplied with beside it, and ``beside`` the effects that are on then.
     """
 
     id: str
@@ -65,6 +65,7 @@ class Formula(NamedTuple):
     before: dict[str, float]
     after: dict[str, float]
     factors: dict[str, float]
+    beside: dict[str, dict[str, float]]
 
 
 class Unknown(NamedTuple):
@@ -85,10 +86,15 @@ class Unknown(NamedTuple):
 
 
 class NextTest(NamedTuple):
-    """What would separate effects that these logs cannot."""
+    """
+    What would separate effects that these logs cannot.
+
+    ``models`` are the explanations that fit these logs alike: id to parameters, SI.
+    """
 
     separates: tuple[str, ...]
     what: str
+    models: tuple[dict[str, dict[str, float]], ...] = ()
 
 
 class Calibrated(NamedTuple):
