@@ -100,6 +100,8 @@ class BagWriter:
             Looked up in share/ (or the built-in standard types) when left out.
         qos : Qos or str
             What the publisher offers; a str is a YAML text from another bag, kept as it is.
+        encoding : str
+            Of the definition: 'ros2msg' or 'ros2idl'.
 
         """
         if name in self._ids:

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Is one model better than another on data that neither was fitted to?
+Whether one model is better than another on data that neither was fitted to.
 
 Errors of a replay are correlated over many samples, so that statistics of independent samples
 find effects everywhere. Here a sample is a block of two seconds, models are compared block by

@@ -36,7 +36,7 @@ def test_a_shifted_wave_has_its_angle_over_pi_as_phase_error(shift):
 
 
 def test_by_hand():
-    """f = (3, 4), g = (4, 3): A = B = 25, C = 24; P = arccos(0.96)/pi."""
+    """With f = (3, 4), g = (4, 3): A = B = 25, C = 24; P = arccos(0.96)/pi."""
     phase = math.acos(0.96) / math.pi
     assert russell(np.array([3.0, 4.0]), np.array([4.0, 3.0])) == pytest.approx(
         (0, phase, math.sqrt(math.pi / 4) * phase))

@@ -36,6 +36,7 @@ class Campaign:
         Datasheet of the rig, in the form of the rig's YAML file.
     exact : dict
         Log name to the noise-free states per millisecond (SI, names as in kernel.OUT).
+
     """
 
     logs: dict[str, dict[str, np.ndarray]]
@@ -70,6 +71,10 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
         Rows per second, 20 to 500.
     channels : tuple of str
         Measured channels beside time; None: the eight of the sample campaigns.
+    duration : float
+        Length of each log, s.
+    logs : tuple of str
+        Which of `profiles.LOGS` to make.
     temperature : str or dict
         'auto' (warm where an effect needs it), 'steady', 'warm', 'cold', 'constant_warm', or
         {log: (start, end)} in degC.
@@ -93,6 +98,7 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
         Log name to {'setpoint' rpm, 'manual' V, 'pprv' V, 'closed'} per ms, replaces the drawn.
     keep_exact : bool
         False: do not keep the noise-free states (30 MB for four logs of 60 s).
+
     """
     if sheet is None:
         sheet = unit.datasheet() if rig_seed is None else unit.other_rig(rig_seed)

@@ -31,6 +31,7 @@ class Effect:
         Measured channels that the missing term depends on.
     inverse : tuple of str
         Parameters that are divided by the size instead (limits: a lower limit is more effect).
+
     """
 
     enters: str
@@ -128,6 +129,7 @@ def resolve(effects: dict, rng, scale: tuple[float, float, float]) -> dict[str, 
     ------
     KeyError
         An identifier or form that is not in the catalogue.
+
     """
     chosen = {}
     for ident, given in effects.items():

@@ -76,14 +76,14 @@ def commands(log: str, n: int, rng: np.random.Generator, gentle: bool) -> dict[s
 
 
 def temperature(log: str, n: int, kind: str | dict) -> np.ndarray:
-    """Return the oil temperature (degC): a named kind, or {log: (start, end)}."""
+    """Return degC over time: a named kind, or {log: (start, end)}."""
     start, end = kind[log] if isinstance(kind, dict) else TEMPERATURES[kind][LOGS.index(log)]
     return np.linspace(start, end, n)
 
 
 def roughness(n: int, rng: np.random.Generator, size: float = 0.5,
               memory: float = 0.3) -> np.ndarray:
-    """Return the load's own roughness (N m): noise with an exponential memory (s)."""
+    """Return noise of the load, N m, with an exponential memory (s)."""
     a = np.exp(-1e-3 / memory)
     white = rng.standard_normal(n) * size * np.sqrt(1 - a * a)
     return lfilter([1.0], [1.0, -a], white)
