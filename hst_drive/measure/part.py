@@ -75,7 +75,7 @@ class PartReplay:
         self.run = run
         self.signals = tuple(self.balances)
         self.inputs: dict[str, np.ndarray] = {}
-        self.stamps = 0.0 if self.static else max(1e-3, 0.5 * run.sample_time)
+        self.stamps = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
         self._missing = np.zeros(len(run), dtype=bool)
         used = {name for name in run.channels if name in CHANNELS}
         for name in used:
