@@ -8,12 +8,14 @@ from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
+from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue
 from hst_drive.measure.run import CHANNELS, Run
@@ -78,7 +80,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in hidden and entry.id not in best.names},
         calibration=_calibration(campaign, best.fit), unknown=remaining,
-        next_test=_next_test(effects, campaign.advice) if ambiguous else None,
+        next_test=_next_test(search, best, rivals) if ambiguous else None,
         rivals=_why_lost(search, best, rivals), rig=rig.source or rig.name,
         rig_digest=rig.digest, logs=tuple(run.source for run in (*runs, *holdout)))
 
@@ -203,12 +205,16 @@ def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 
 
-def _next_test(effects: Sequence[Found], advice: str) -> NextTest | None:
-    for entry in effects:
-        if entry.indistinguishable_from:
-            return NextTest((entry.id, *entry.indistinguishable_from),
-                            advice)
-    return None
+def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> NextTest:
+    models = [best.fit.model]
+    for name, group in rivals.items():
+        others, kept = tuple(entry for entry in best.names if entry != name), best.fit.model
+        models += [entry.fit.model for entry in search.try_all(
+            [((*others, rival), kept.without(name)) for rival in group], 'trying rivals')]
+    campaign = search.campaign
+    search.progress('looking for a test')
+    what = campaign.advice or in_short(campaign.rig, models, campaign.signals)
+    return NextTest(told_apart(models), what, tuple(dict(entry.effects) for entry in models))
 
 
 def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], remaining) -> str:
