@@ -199,7 +199,8 @@ class Replay:
         # Three running means: as good as a Gaussian here, at a cost that does not grow with width.
         width = max(int(2 * _SLOW / self.run.sample_time), 1)
         for _ in range(3):
-            values = uniform_filter1d(values, width, mode='nearest')
+            # mirrored at the ends: 'nearest' would hold one noisy sample for a second
+            values = uniform_filter1d(values, width, mode='reflect')
         return values
 
     def disturbance(self, drive: Drive) -> np.ndarray:
@@ -276,7 +277,18 @@ class Replay:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING,
                                             self._load_model(drive), signals[self.torque])
-        return Prediction({name: signals[name] for name in self.signals}, disturbance)
+        return Prediction({name: self._as_read(name, signals[name], drive)
+                           for name in self.signals}, disturbance)
+
+    def _as_read(self, name: str, model: np.ndarray, drive: Drive) -> np.ndarray:
+        """Hold the model at the end of the sensor's range where the reading stands there."""
+        sensor = drive.rig.sensors.get(name)
+        if sensor is None or not sensor.range:
+            return model
+        measured, (low, high) = self.run[name], sensor.range
+        near = 0.51 * sensor.resolution + 1e-9 * (high - low)
+        model = np.where(np.abs(measured - low) <= near, np.maximum(model, measured), model)
+        return np.where(np.abs(measured - high) <= near, np.minimum(model, measured), model)
 
     def floor(self, drive: Drive, seed: int = 0) -> dict[str, float]:
         """

@@ -128,3 +128,30 @@ def test_the_start_is_what_the_signals_tell():
                                         if name != missing}, run.source)
         found = Replay(part, drive).start(drive)
         np.testing.assert_allclose(found[:4], whole[:4], rtol=0.03)
+
+
+def test_noise_of_the_last_samples_is_no_load():
+    drive = Drive(RIG)
+    ends, middles = [], []
+    for seed in range(8):
+        run = record(seed, duration=6.0, roughness=0.0)
+        found = Replay(run, drive).disturbance(drive)
+        ends.append(found[-20:])
+        middles.append(found[280:320])
+    assert np.std(ends) < 4 * np.std(middles) + 0.02
+
+
+def test_a_reading_at_the_end_of_its_range_says_there_or_beyond():
+    drive = Drive(RIG)
+    run = record(3, duration=3.0)
+    low, high = RIG.sensors['pump_outlet_pressure'].range
+    channels = dict(run.channels)
+    pressure = channels['pump_outlet_pressure'].copy()
+    pressure[100:120], pressure[200:220] = low, high
+    channels['pump_outlet_pressure'] = pressure
+    replay = Replay(Run('ends', run.time, channels, 'ends.csv'), drive)
+    for model, below, above in ((low - 1e5, True, False), (high + 1e5, False, True)):
+        seen = replay._as_read('pump_outlet_pressure', np.full(len(run), model), drive)
+        assert np.all((seen[100:120] == low) == below)
+        assert np.all((seen[200:220] == high) == above)
+        assert np.all(np.delete(seen, np.r_[100:120, 200:220]) == model)
