@@ -67,6 +67,9 @@ def text(result: Comparison, most_regions: int = 8) -> str:
               f'{"late" if delay > 0 else "early"}' for log in result.logs
               for name, delay in log.delays.items()
               if abs(delay) > max(0.2 * log.run.sample_time, 1e-3)]
+    delays += [f'{log.run.name}: the clocks of commands and readings differ by '
+               f'{1e3 * log.shift:.0f} ms; the commands were moved' for log in result.logs
+               if log.shift]
     if delays:
         lines += ['', 'timing (measured against model):', *delays]
     return '\n'.join(lines)

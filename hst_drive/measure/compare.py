@@ -3,6 +3,7 @@
 """A model beside measurements: errors by signal and where they sit."""
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 from typing import NamedTuple, Sequence
 
@@ -20,16 +21,23 @@ from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
+_MENDED = 0.3           # of the squared error may stay if clocks are to blame
 _LONGEST_DELAY = 0.1    # s
 
 
 class LogComparison(NamedTuple):
-    """One log: the recording, what the model gives, errors, and the delay found (s)."""
+    """
+    One log: the recording, what the model gives, and errors.
+
+    ``delays`` is how late each measured signal was found, s; ``shift`` the delay that all have in
+    common, by which the commands were moved.
+    """
 
     run: Run
     model: dict[str, np.ndarray]
     signals: dict[str, ErrorSummary]
     delays: dict[str, float]
+    shift: float
 
 
 class Comparison(NamedTuple):
@@ -73,7 +81,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
                          'out')
     for run in runs:
-        replay = PartReplay(run, drive) if isinstance(drive, PartModel) else Replay(run, drive)
+        replay, shift = _aligned(run, drive)
         run = replay.run
         model = dict(replay.predict(drive).signals)
         floor = replay.floor(drive)
@@ -87,7 +95,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         delays = {name: _delay(run.time, model[name], run[name], floor[name]) for name in model}
         signals = {name: summarise(model[name], run[name], CHANNELS[name].unit, noise[name],
                                    floor[name]) for name in model}
-        logs.append(LogComparison(run, model, signals, delays))
+        logs.append(LogComparison(run, model, signals, delays, shift))
         floors.append(floor)
         variables.append(operating_variables(run))
     names = list(dict.fromkeys(name for log in logs for name in log.signals))
@@ -124,6 +132,50 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
     # Residuals are correlated over some ten samples: ask for a clear sign. The slope tells a
     # short delay only; what looks longer is another error.
     return delay if 10 * deviation < abs(delay) < _LONGEST_DELAY else 0.0
+
+
+def _aligned(run: Run, drive: Drive) -> tuple[Replay | PartReplay, float]:
+    """
+    Return the replay of a log with its commands moved to the stamps of the readings.
+
+    The stamps of the readings stay. The slope tells a long delay too short: look again.
+    """
+    if isinstance(drive, PartModel):
+        return PartReplay(run, drive), 0.0
+    first = replay = Replay(run, drive)
+    total, power = 0.0, []
+    for _ in range(4):
+        model, floor = replay.predict(drive).signals, replay.floor(drive)
+        power.append(sum(float(np.nanmean((model[name] - run[name])**2)) / floor[name]**2
+                         for name in model))
+        found = _common({name: _delay(run.time, model[name], run[name], floor[name])
+                         for name in model})
+        if abs(found) < 0.3 * run.sample_time:
+            break
+        total += found
+        earlier = np.clip(np.searchsorted(run.time, run.time - total + 0.5 * run.sample_time,
+                                          side='right') - 1, 0, len(run) - 1)
+        replay = Replay(replace(run, channels={
+            name: values[earlier] if CHANNELS[name].hold == 'zero' else values
+            for name, values in run.channels.items()}), drive)
+    # Missing physics looks like a delay, too, but a delay does not mend that.
+    return (replay, total) if power[-1] < _MENDED * power[0] else (first, 0.0)
+
+
+def _common(delays: dict[str, float]) -> float:
+    """
+    Return the delay that most signals share, s: clocks of commands and readings that differ.
+
+    One late signal alone is its sensor's affair, and an error that only looks like a delay
+    differs from signal to signal.
+    """
+    values = np.array(list(delays.values()))
+    if len(values) < 3 or np.count_nonzero(values) < 3:
+        return 0.0
+    found = values[values != 0]
+    middle = float(np.median(found))
+    alike = np.abs(found - middle) < 0.25 * abs(middle)
+    return middle if alike.sum() >= 3 else 0.0
 
 
 def _command_noise(command: np.ndarray) -> float:

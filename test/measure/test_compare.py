@@ -93,3 +93,20 @@ def test_several_logs_are_pooled_by_their_samples():
     assert result.signals['motor_speed'].samples == 600
     assert result.signals['motor_speed'].max_abs == max(
         signals['motor_speed'].max_abs for signals in single)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('late', [0, 3])
+def test_commands_stamped_by_another_clock_are_moved(late):
+    run = record(5, duration=20.0, roughness=0.3)
+    readings = {name: values if name.endswith('_command')
+                else np.concatenate([np.repeat(values[:1], late), values[:len(run) - late]])
+                for name, values in run.channels.items()}
+    found = compare(Drive(RIG), [Run('late', run.time, readings, 'late.csv')])
+    assert found.logs[0].shift == pytest.approx(0.01 * late, abs=0.004)
+
+
+@pytest.mark.needs_numba
+def test_missing_physics_is_not_taken_for_another_clock():
+    run = record(6, duration=20.0, effects={'pump_lag': {'time_constant': 0.06}})
+    assert compare(Drive(RIG), [run]).logs[0].shift == 0.0
