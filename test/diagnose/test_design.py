@@ -1,0 +1,182 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The advised test: within the rig's limits, and worth what it says."""
+from dataclasses import replace
+import json
+from test.diagnose.ambiguous import advised_log, first_log, named
+
+from hst_drive.cli import main
+from hst_drive.diagnose import design as designing
+from hst_drive.diagnose.campaign import Model
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.design import CLEAR, design, Designer
+from hst_drive.diagnose.rehearse import rehearse
+from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, told_apart
+from hst_drive.diagnose.separation import driver, expected_sigma
+from hst_drive.diagnose.trials import FAMILIES, limits, scenario, Segment, Trial
+from hst_drive.errors import InputError
+from hst_drive.load import load_scenario
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.load.scenario import parse_scenario
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+RIG = default_rig()
+CHANNELS = ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque')
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Search among the plain families only."""
+    monkeypatch.setattr(designing, '_MIXED', 0)
+    monkeypatch.setattr(designing, '_ROUNDS', 0)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('closed_loop', [False, True])
+@pytest.mark.parametrize('family', list(FAMILIES))
+def test_a_trial_stays_within_the_limits(family, closed_loop):
+    """Commands, speed and pressure; whatever the seed."""
+    bounds = limits(RIG)
+    for seed in range(2):
+        trial = Trial((Segment(family, seed, 27.0),), warming=bool(seed))
+        play = parse_scenario(scenario(trial, RIG, closed_loop), LoadingUnit.of(RIG.loading))
+        assert play.duration == pytest.approx(30.0)
+        run = rehearse(driver(RIG, Model()), play, seed)
+        low, high = RIG.controller.output_limits
+        assert low <= run['pump_command'].min() and run['pump_command'].max() <= high
+        assert run['pprv_command'].max() <= bounds.heavy + 1e-3
+        assert np.percentile(run['motor_speed'], 99) < 1.2 * bounds.fast
+        assert run['pump_outlet_pressure'].max() < RIG.relief_valve.set_pressure
+
+
+def test_the_same_seed_gives_the_same_trial():
+    """A test can be repeated."""
+    trial = Trial((Segment('load_steps', 7, 20.0), Segment('reversals', 8, 20.0)))
+    assert scenario(trial, RIG, False) == scenario(trial, RIG, False)
+
+
+def test_expected_sigma_grows_with_blocks_and_size():
+    """No difference gives nothing; twice as long gives the root of two more."""
+    assert expected_sigma(np.zeros(30)) == pytest.approx(0.0, abs=1e-6)
+    assert expected_sigma(np.full(30, 0.01)) < expected_sigma(np.full(30, 0.1))
+    values = np.random.default_rng(1).exponential(1.0, 60)
+    once, twice = expected_sigma(values), expected_sigma(np.tile(values, 2))
+    assert twice == pytest.approx(once * np.sqrt(2), rel=0.02)
+
+
+@pytest.mark.needs_numba
+def test_a_plain_log_separates_less_than_another_test():
+    """Friction and back pressure look alike in drilling, not when the load and speed vary."""
+    models = matched(RIG, by_name(('bearing_friction', 'back_pressure'), CHANNELS))
+    work = Designer(RIG, models, CHANNELS)
+    best = work.rate(work.pure(40.0))[0]
+    plain = work.rate([designing.plain_drilling(40.0)])[0]
+    assert best.worst > 1.2 * plain.worst
+
+
+@pytest.mark.needs_numba
+def test_the_advised_test_ends_an_ambiguity(quick):
+    """The independent truth is named once its advised test is recorded as well."""
+    truth, seed = 'hydrodynamic_drag', 505
+    first = first_log(truth, seed)
+    rivals = by_name(('hydrodynamic_drag', 'viscous_drag'), CHANNELS)
+    result = design(RIG, matched(RIG, rivals), CHANNELS)
+    assert result.advice == 'profile' and result.significance >= CLEAR
+    assert result.trial.duration <= 120.0
+    after = diagnose(RIG, [first, advised_log(truth, seed, result.content, RIG)])
+    assert (after.verdict, named(after)) == ('missing_effect', (truth,))
+
+
+@pytest.mark.needs_numba
+def test_a_sensor_is_advised_where_no_test_helps(quick):
+    """Without a flow meter nobody can tell which machine leaks."""
+    channels = ('pump_outlet_pressure', 'motor_speed', 'load_torque')
+    models = [Model({'pump_leakage': {'conductance': 2e-12}}),
+              Model({'motor_leakage': {'conductance': 2e-12}})]
+    result = design(RIG, models, channels, duration=60.0)
+    assert result.advice in ('sensor', 'both')
+    assert result.sensor in ('motor_inlet_flow', 'case_drain_flow')
+    assert result.significance > result.without_sensor
+
+
+def _diagnosis(**changes):
+    value = {'value': 0.8, 'low': 0.7, 'high': 0.9, 'unit': 'N.m.s'}
+    return {'schema': 'hst_drive/diagnosis/1', 'verdict': 'ambiguous',
+            'errors': {'before': dict.fromkeys(CHANNELS, 2.0)},
+            'calibration': [{'quantity': 'motor.leakage', 'factor': 1.1}],
+            'effects': [{'id': 'viscous_drag', 'parameters': {'coefficient': value},
+                         'indistinguishable_from': ['line_loss']}], **changes}
+
+
+def test_rivals_come_from_the_diagnosis():
+    """Names, sizes, channels and the unit's calibration."""
+    rivals = of_diagnosis(_diagnosis(), 'd.json')
+    assert rivals.names == (('viscous_drag',), ('line_loss',))
+    assert rivals.channels == CHANNELS
+    assert rivals.models[0].effects == {'viscous_drag': {'coefficient': 0.8}}
+    assert rivals.models[0].factors['motor.leakage'] == pytest.approx(np.log(1.1))
+    assert rivals.models[1] is None
+    told = of_diagnosis(_diagnosis(next_test={'models': [
+        {'viscous_drag': {'coefficient': 0.8}},
+        {'line_loss': {'laminar': 1e8, 'turbulent': 0.0}}]}), 'd.json')
+    assert told.models[1].effects['line_loss']['laminar'] == 1e8
+    assert told_apart([Model({'a': {}, 'b': {}}), Model({'a': {}, 'c': {}})]) == ('b', 'c')
+
+
+def test_nothing_ambiguous(tmp_path, capsys):
+    """Says so, and is no error."""
+    effects = _diagnosis()['effects']
+    effects[0]['indistinguishable_from'] = []
+    path = tmp_path / 'd.json'
+    path.write_text(json.dumps(_diagnosis(effects=effects, verdict='missing_effect')))
+    assert main(['design', str(path), '-o', str(tmp_path / 's.yaml')]) == 0
+    assert 'nothing to separate' in capsys.readouterr().out
+    assert not (tmp_path / 's.yaml').exists()
+
+
+@pytest.mark.parametrize('arguments, words', [
+    ([], 'expected at least one of the two'),
+    (['--effects', 'bearing_frictoin,back_pressure'], "did you mean 'bearing_friction'"),
+    (['--effects', 'back_pressure'], 'at least two'),
+    (['--effects', 'back_pressure,line_loss', '--duration', '300'], '20 to 120'),
+    (['no_such.json'], 'cannot be read'),
+])
+def test_wrong_input_is_one_line(arguments, words, capsys):
+    """Exit code 2 and what to do."""
+    assert main(['design', *arguments]) == 2
+    message = capsys.readouterr().err.strip()
+    assert words in message.splitlines()[-1]
+
+
+@pytest.mark.parametrize('content, words', [
+    ({'schema': 'x'}, "expected 'hst_drive/diagnosis/1'"), ([], 'schema'),
+    (_diagnosis(effects=[{'id': 'viscous_drag'}]), 'write the diagnosis again'),
+    (_diagnosis(effects=[{'id': 'magic', 'parameters': {}}]), "'magic' is not in the catalogue"),
+])
+def test_what_is_no_diagnosis_is_refused(content, words):
+    """Names the file."""
+    with pytest.raises(InputError, match='^d.json: .*') as problem:
+        of_diagnosis(content, 'd.json')
+    assert words in str(problem.value)
+
+
+def test_a_rig_without_a_controller_is_refused():
+    """There is nothing to play a test with."""
+    with pytest.raises(InputError, match='controller'):
+        limits(replace(RIG, controller=None))
+
+
+@pytest.mark.needs_numba
+def test_the_verb_writes_a_scenario_that_plays(quick, tmp_path, capsys):
+    """File, text and JSON."""
+    path, data = tmp_path / 's.yaml', tmp_path / 'd.json'
+    assert main(['design', '--effects', 'viscous_drag,line_loss', '-o', str(path), '--json',
+                 str(data), '--duration', '50', '--closed-loop']) == 0
+    said = capsys.readouterr().out
+    result = json.loads(data.read_text())
+    assert result['schema'] == 'hst_drive/design/1' and result['sentence'] in said
+    if result['advice'] != 'neither':
+        play = load_scenario(path, RIG)
+        assert play.mode == 'closed_loop' and play.duration <= 50.0
