@@ -4,9 +4,9 @@
 How well a test would tell rival explanations apart.
 
 Expected: linearised, from one rehearsal. Of the difference between two rivals that part counts
-which neither the second one's own parameters nor the unit's tolerances can take up. Verified:
-every rival in turn makes a noisy record, all are fitted to it, and the rules of a diagnosis
-judge.
+which neither the second one's own parameters nor the unit's tolerances can take up, and that is
+more than a real machine is off any formula. Verified: every rival in turn makes a noisy record,
+all are fitted to it, and the rules of a diagnosis judge.
 """
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from typing import Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import BLOCK, Campaign, Model
 from hst_drive.diagnose.fit import SIGMAS, Unknowns
+from hst_drive.diagnose.judge import FORM_SHARE
 from hst_drive.diagnose.rehearse import INPUTS, rehearse
 from hst_drive.diagnose.search import Search
 from hst_drive.load.scenario import Scenario
@@ -57,6 +58,7 @@ class _Part:
     floor: float
     thin: float
     shifts: np.ndarray      # (models, rows) reading of each model, in floors
+    bare: np.ndarray        # (rows,) the same without what the models differ in
     factors: np.ndarray     # (rows, factors)
     own: list[np.ndarray]   # per model (rows, parameters)
 
@@ -87,6 +89,9 @@ class Rehearsal:
         self.vectors = [unknowns.pack(model) for unknowns, model in zip(self.unknowns, models)]
         count = self.unknowns[0].factors
         base = campaign.errors(models[0])
+        shared = set.intersection(*(set(model.effects) for model in models))
+        bare = campaign.errors(Model({name: models[0].effects[name] for name in shared},
+                                     models[0].factors))
         moved = [campaign.errors(model) if place else base for place, model in enumerate(models)]
         factors = [self._derivative(campaign, 0, k, base) for k in range(count)]
         own = [[self._derivative(campaign, place, k, moved[place])
@@ -104,7 +109,7 @@ class Rehearsal:
             self.parts.append(_Part(
                 column.signal, ((time[rows] - time[0]) / BLOCK).astype(int),
                 1.0 / column.scale, campaign.thinning(column),
-                np.array([taken(errors) for errors in moved]),
+                np.array([taken(errors) for errors in moved]), taken(bare),
                 np.array([taken(entry) for entry in factors]).T,
                 [np.array([taken(entry) for entry in group]).T if group
                  else np.zeros((len(rows), 0)) for group in own]))
@@ -140,7 +145,8 @@ class Rehearsal:
             energy += float(left @ left) * part.thin**2
             count = np.bincount(part.blocks)
             blocks = (np.bincount(part.blocks, left**2) / np.maximum(count, 1))[count > 0]
-            sigmas.append(expected_sigma(blocks))
+            form = FORM_SHARE**2 * float(np.mean((part.shifts[truth] - part.bare)**2))
+            sigmas.append(expected_sigma(blocks) * min(blocks.mean() / (form + 1e-9), 1.0))
             rms = float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
             differences[part.signal] = Difference(
                 rms * part.floor, rms, float(np.max(np.abs(left), initial=0.0)) * part.floor)
@@ -200,10 +206,12 @@ def verify(rig: Rig, scenario: Scenario, models: Sequence[Model], channels: Iter
         search = Search(Campaign(rig, [run]), [])
         fitted = search.try_all([(tuple(entry.effects), entry) for entry in models], '')
         best = fitted[truth]
+        done = search.done(best)
         for rival in fitted[:truth] + fitted[truth + 1:]:
             found = search.gain(rival, best)
             sigma = max((found.sigma[name] for name in found.share
-                         if found.share[name] >= SHARE), default=0.0)
+                         if found.share[name] >= SHARE
+                        and found.amount[name] >= (FORM_SHARE * done[name])**2), default=0.0)
             worst = min(worst, sigma, np.sqrt(max(rival.score - best.score, 0.0)))
     return float(max(worst, 0.0))
 

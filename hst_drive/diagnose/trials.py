@@ -18,7 +18,7 @@ import numpy as np
 
 LONGEST = 120.0         # s
 SPIN_UP = 3.0           # s, lightly loaded, before the first segment
-MARGIN = 0.8            # of the relief valve's set pressure: what steady load may ask for
+MARGIN = 0.65           # of the relief valve's set pressure: what steady load may ask for
 _EASE = {'unloaded': 0.8, 'creeping': 0.8, 'standstill': 0.7}
 _WARM_EASE = 0.8        # warming the oil takes time and a heater
 _STEP = 0.02            # s: shortest ramp, so that times rise
