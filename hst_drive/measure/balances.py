@@ -7,9 +7,13 @@ from typing import NamedTuple
 
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
+import numpy as np
 
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 _TORQUES = ('motor_torque', 'load_torque')
+_SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
+_RESTLESS = 0.1         # mean squared step over variance: more is no record of a motion
+_VARIES = 0.05          # of the largest value: less is noise about one operating point
 
 
 class Balance(NamedTuple):
@@ -117,3 +121,18 @@ def is_part(run: Run, rig: Rig) -> bool:
     if not rig.whole:
         return True
     return not {'pump_command', 'pprv_command'} <= set(run.channels) and bool(closed(run, rig))
+
+
+def is_table(run: Run) -> bool:
+    """Say whether the rows are operating points rather than samples of a motion."""
+    if run.sample_time >= _SLOWEST:
+        return True
+    for name in (*PRESSURES, 'motor_speed', 'pump_speed'):
+        values = run.channels.get(name)
+        if values is None:
+            continue
+        values = values[np.isfinite(values)]
+        if len(values) > 2 and values.std() > _VARIES * np.max(np.abs(values)):
+            if np.mean(np.diff(values)**2) > _RESTLESS * values.var():
+                return True
+    return False

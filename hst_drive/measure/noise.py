@@ -11,7 +11,7 @@ C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, sect
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
@@ -48,6 +48,37 @@ def noise_std(values: np.ndarray) -> float:
     lower = deviations[:max(len(deviations) // 3, 1)].mean()
     scatter = np.sqrt(1.77 / size) / np.sqrt(2.0) * 1.45
     return float(lower * (1 + (1.09 * scatter if len(deviations) >= 3 else 0.0)))
+
+
+def steady_noise(values: np.ndarray) -> float:
+    """Return the white noise of a signal, also where most of a short record holds a step."""
+    values = values[np.isfinite(values)]
+    if len(values) < 10:
+        return 0.0
+    fourth = np.abs(np.diff(values, 4)) / np.sqrt(70.0)
+    return min(noise_std(values), float(np.median(fourth)) / 0.6745)
+
+
+def surface_noise(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
+    """
+    Return the deviation of a table's column from a smooth function of others.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The column.
+    over : sequence of ndarray, shape (n,)
+        What a cubic in each, without mixed terms, may take away.
+
+    """
+    terms = [np.ones(len(values))]
+    for column in over:
+        if np.ptp(column) > 1e-9 * np.max(np.abs(column)):
+            scaled = 2 * (column - column.min()) / np.ptp(column) - 1
+            terms += [scaled, scaled**2, scaled**3]
+    matrix = np.column_stack(terms[:max(len(values) // 3, 1)])
+    left = values - matrix @ np.linalg.lstsq(matrix, values, rcond=None)[0]
+    return float(np.sqrt(left @ left / max(len(values) - matrix.shape[1], 1)))
 
 
 class Coloured(NamedTuple):

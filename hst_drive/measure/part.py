@@ -14,8 +14,8 @@ from dataclasses import replace
 from typing import Any
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed, PRESSURES, what_would_close
-from hst_drive.measure.noise import noise_std
+from hst_drive.measure.balances import closed, is_table, PRESSURES, what_would_close
+from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.replay import filled, Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.part import PartModel
@@ -23,9 +23,6 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 _DRAWS = 3
-_SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
-_RESTLESS = 0.1         # mean squared step over variance: more is no record of a motion
-_VARIES = 0.05          # of the largest value: less is noise about one operating point
 _NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
 _CREEPING = 0.5         # rad/s; below it friction hangs on how it changes its sign
@@ -69,7 +66,7 @@ class PartReplay:
         if len(run) < _LEAST_ROWS:
             raise InputError(f'{run.source}: {len(run)} rows, expected at least {_LEAST_ROWS} to '
                              'judge a balance; record more operating points')
-        self.static = _is_table(run)
+        self.static = is_table(run)
         if self.static:
             run = replace(run, time=np.arange(len(run), dtype=float))
         self.run = run
@@ -108,7 +105,7 @@ class PartReplay:
             return float(np.hypot(sensor.noise_std, step))
         if CHANNELS[name].hold == 'zero' or name == 'oil_temperature':
             return 0.0
-        return max(_noise(self.run[name]), step)
+        return max(steady_noise(self.run[name]), step)
 
     def _signal_noise(self, name: str, model: PartModel) -> float:
         rest = self._channels[name] - self.predict(model).signals[name]
@@ -119,21 +116,13 @@ class PartReplay:
             if not stated:
                 self._input_noise = dict.fromkeys(self._input_noise, 0.0)
             return max(stated or self._rough(rest), tiny)
-        return max(min(self._input_noise[name], _noise(rest) or np.inf), tiny)
+        return max(min(self._input_noise[name], steady_noise(rest) or np.inf), tiny)
 
     def _rough(self, rest: np.ndarray) -> float:
         """Return the deviation of an error from a smooth function of the operating point."""
-        rows = [np.ones(len(rest))]
-        for name in (*PRESSURES, 'motor_speed', 'pump_speed', 'pump_command', 'oil_temperature'):
-            values = self._channels.get(name)
-            if values is None or np.ptp(values) <= 1e-9 * np.max(np.abs(values)):
-                continue
-            scaled = 2 * (values - values.min()) / np.ptp(values) - 1
-            rows += [scaled, scaled**2, scaled**3]
-        rows = rows[:max(len(rest) // 3, 1)]
-        matrix = np.column_stack(rows)
-        left = rest - matrix @ np.linalg.lstsq(matrix, rest, rcond=None)[0]
-        return float(np.sqrt(left @ left / max(len(rest) - matrix.shape[1], 1)))
+        return surface_noise(rest, [self._channels[name] for name in (
+            *PRESSURES, 'motor_speed', 'pump_speed', 'pump_command', 'oil_temperature')
+            if name in self._channels])
 
     def _width(self, name: str, model: PartModel) -> float:
         """Return the Gaussian's deviation, samples, from which the rate adds little noise."""
@@ -306,27 +295,3 @@ class PartReplay:
                 shift = moved[name] - base[name] - own
                 power[name] += float(np.mean(shift**2)) / _DRAWS
         return {name: float(np.sqrt(value)) for name, value in power.items()}
-
-
-def _noise(values: np.ndarray) -> float:
-    """Return the white noise of a signal, also where most of a short record holds a step."""
-    values = values[np.isfinite(values)]
-    if len(values) < 10:
-        return 0.0
-    fourth = np.abs(np.diff(values, 4)) / np.sqrt(70.0)
-    return min(noise_std(values), float(np.median(fourth)) / 0.6745)
-
-
-def _is_table(run: Run) -> bool:
-    """Say whether the rows are operating points rather than samples of a motion."""
-    if run.sample_time >= _SLOWEST:
-        return True
-    for name in (*PRESSURES, 'motor_speed', 'pump_speed'):
-        values = run.channels.get(name)
-        if values is None:
-            continue
-        values = values[np.isfinite(values)]
-        if len(values) > 2 and values.std() > _VARIES * np.max(np.abs(values)):
-            if np.mean(np.diff(values)**2) > _RESTLESS * values.var():
-                return True
-    return False
