@@ -19,7 +19,7 @@ PRACTICAL = 0.10        # share of the held-out squared error that an effect mus
 IN_SAMPLE = 0.3         # the same on data that was fitted, where held-out data cannot show it
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
-FORM_SHARE = 0.08
+FORM_SHARE = 0.10
 CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
 
