@@ -11,7 +11,7 @@ measured signals: no motion that the model gets wrong blurs it.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Container, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
@@ -23,6 +23,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
+_QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
 _PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
 _LOAD = ('pprv_command', 'motor_speed', 'oil_temperature', 'load_torque', *_ANGLE,
@@ -140,11 +141,19 @@ def _used(campaign: Campaign, log: int, signal: str) -> np.ndarray:
     return used
 
 
+def only_read(campaign: Campaign, model: Fit, moves: Container[str]) -> bool:
+    """Say whether a sensor may be at fault that moves these signals: the others are right."""
+    ratios = campaign.ratios(model.errors, True)
+    return all(value <= _QUIET for name, value in ratios.items() if name not in moves)
+
+
 def locate(campaign: Campaign, model: Fit) -> Place | None:
     """Return the place whose direction holds most of the error; None if there is none."""
     errors = smooth_errors(campaign, model)
     best, most = None, 0.0
     for place in places(campaign):
+        if place.enters == 'sensor' and not only_read(campaign, model, place.moves):
+            continue
         held = 0.0
         for index, log in enumerate(errors):
             size, weight = _project(campaign, index, log, place)

@@ -18,7 +18,7 @@ from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import CLEAN_RATIO, gain, PRACTICAL
 from hst_drive.diagnose.part import PartCampaign
-from hst_drive.diagnose.places import locate, Place, sizes
+from hst_drive.diagnose.places import locate, only_read, Place, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
 import numpy as np
@@ -56,7 +56,7 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
         static = regress(data, STATIC.__contains__)[0]
     carried = _carry(campaign, model, place.formula, static, 1.0) if place.formula else None
     if carried and place.name == 'torque of the hydromotor' and not isinstance(
-            campaign, PartCampaign):
+            campaign, PartCampaign) and only_read(campaign, model, place.moves):
         per_torque = -place.moves[place.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
         if reading and reading.score < carried.score:
