@@ -6,7 +6,7 @@ Whether the advised test ends the ambiguity.
     python -m bench.design --cases 20 --seed 500 --json design.json
 
 Every case is a drive of the independent truth generator with one hidden effect and a unit of
-its own. Its first log is a minute of drilling at one speed and one temperature. Where the
+its own. Its first log is 30 s of drilling at one speed and one temperature. Where the
 diagnosis of that is ambiguous, the advised test is recorded on the same unit and both logs are
 diagnosed together. Prints each case and the share of ambiguities that end with the right name.
 """
@@ -54,7 +54,8 @@ def main() -> None:
                           indent=1)
     doubtful = [entry for entry in outcomes if entry.before == 'ambiguous']
     print(f'{sum(entry.right for entry in doubtful)} of {len(doubtful)} ambiguities ended with '
-          f'the right name; {tried} drives tried')
+          f'the right name alone (in {sum(e.right and e.after == "unknown" for e in doubtful)} of '
+          f'them something beside it stays unknown); {tried} drives tried')
 
 
 if __name__ == '__main__':

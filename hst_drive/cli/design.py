@@ -14,7 +14,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_rig_argument, read_json, rig_of
-from hst_drive.cli.output import add_json_argument, say, table, write_json, write_yaml
+from hst_drive.cli.output import add_json_argument, table, write_json, write_yaml
 from hst_drive.errors import InputError
 from hst_drive.units import from_si
 
@@ -74,8 +74,6 @@ def run(args: argparse.Namespace) -> int:
         print(text(result, args.output))
     if args.output and result.advice != 'neither':
         write_yaml(result.content, args.output)
-    elif args.output:
-        say(f'{args.output}: not written; no test would separate them')
     if args.json:
         write_json(as_json(result, args.output), args.json)
     return 0
@@ -85,13 +83,12 @@ def text(result: Design, output: str | None) -> str:
     """Return the advice for a terminal."""
     rivals = ', '.join(' + '.join(names) for names in result.rivals)
     lines = [f'to tell apart: {rivals}', '', sentence(result), '']
-    if result.advice != 'neither':
-        lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
-        if output:
-            lines += [f"written to {output}; play it with 'hst-drive run {output}', then "
-                      'diagnose its recording together with the first logs']
-        lines += ['', 'what remains between the model of one and the fit of the other:',
-                  _differences(result)]
+    lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
+    if output:
+        lines += [f"written to {output}; play it with 'hst-drive run {output}', then "
+                  'diagnose its recording together with the first logs']
+    lines += ['', 'what remains between the model of one and the fit of the other:',
+              _differences(result)]
     if result.options:
         lines += ['', 'expected significance of the worst pair with one more sensor:', table(
             ['channel', 'sigma'], sorted(result.options.items(), key=lambda item: -item[1]))]
@@ -109,8 +106,8 @@ def sentence(result: Design) -> str:
                f'({reached}).'
     if result.advice == 'both':
         return f'{alone}; add a sensor for {result.sensor} and play this test ({reached}).'
-    return f'{alone}, and no sensor that could be added changes that: these effects look the ' \
-           'same on this rig. Treat them as one, or measure the part itself.'
+    return f'{alone}, and no sensor that could be added changes that. The test below is the best '\
+           'there is; if it leaves them apart by too little, measure the part itself.'
 
 
 def _differences(result: Design) -> str:
@@ -136,7 +133,7 @@ def as_json(result: Design, output: str | None) -> dict:
         'significance_without_sensor': result.without_sensor, 'sensor': result.sensor or None,
         'sensor_options': result.options, 'duration': result.trial.duration,
         'what': result.trial.words,
-        'scenario_file': output if result.advice != 'neither' else None,
+        'scenario_file': output,
         'scenario': result.content,
         'pairs': [{'if': result.rivals[pair.truth], 'not': result.rivals[pair.rival],
                    'significance': pair.significance,

@@ -15,7 +15,6 @@ from typing import Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import BLOCK, Campaign, Model
 from hst_drive.diagnose.fit import SIGMAS, Unknowns
-from hst_drive.diagnose.judge import FORM_SHARE
 from hst_drive.diagnose.rehearse import INPUTS, rehearse
 from hst_drive.diagnose.search import Search
 from hst_drive.load.scenario import Scenario
@@ -27,6 +26,9 @@ from scipy.optimize import lsq_linear
 
 CLEAR = 3.5             # sigma of the worst pair at which a diagnosis will tell rivals apart
 SHARE = 0.03            # of the held-out squared error: less does not tell models apart
+# Of what an effect does to a signal: so far a real machine may be off its formula in what tells
+# two formulas apart.
+FORM = 0.04
 _HELD_OUT = 1 / 3       # share of the blocks that will judge
 _INDEPENDENT = 20.0     # independent samples in a block of noise
 _MOST = 99.0
@@ -145,7 +147,7 @@ class Rehearsal:
             energy += float(left @ left) * part.thin**2
             count = np.bincount(part.blocks)
             blocks = (np.bincount(part.blocks, left**2) / np.maximum(count, 1))[count > 0]
-            form = FORM_SHARE**2 * float(np.mean((part.shifts[truth] - part.bare)**2))
+            form = FORM**2 * float(np.mean((part.shifts[truth] - part.bare)**2))
             sigmas.append(expected_sigma(blocks) * min(blocks.mean() / (form + 1e-9), 1.0))
             rms = float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
             differences[part.signal] = Difference(
@@ -211,7 +213,7 @@ def verify(rig: Rig, scenario: Scenario, models: Sequence[Model], channels: Iter
             found = search.gain(rival, best)
             sigma = max((found.sigma[name] for name in found.share
                          if found.share[name] >= SHARE
-                        and found.amount[name] >= (FORM_SHARE * done[name])**2), default=0.0)
+                        and found.amount[name] >= (FORM * done[name])**2), default=0.0)
             worst = min(worst, sigma, np.sqrt(max(rival.score - best.score, 0.0)))
     return float(max(worst, 0.0))
 
