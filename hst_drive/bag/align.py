@@ -20,6 +20,7 @@ MIN_ROWS = 10
 """Fewer samples than this are no recording."""
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
+_HOLE_PERIODS = 20.0    # without any sample: worth a word
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,10 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
     """
     notes = list(notes)
     if len(time) < MIN_ROWS:
-        raise InputError(f'{source}: only {len(time)} {rows} of data; a recording needs at least '
-                         f'{MIN_ROWS}')
+        raise InputError(f'{source}: only {len(time)} {rows[:-1] if len(time) == 1 else rows} of '
+                         f'data; a recording needs at least {MIN_ROWS}')
     kept = {}
+    holes: dict[int, list[str]] = {}
     for channel, values in channels.items():
         missing = int(np.count_nonzero(~np.isfinite(values)))
         if missing == len(values):
@@ -54,11 +56,29 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
             continue
         if missing:
             values = np.where(np.isfinite(values), values, np.nan)
-            notes.append(f'{channel}: {missing} of {len(values)} samples missing')
+            holes.setdefault(missing, []).append(channel)
+        numbers = values[np.isfinite(values)]
+        if CHANNELS[channel].hold == 'linear' and len(numbers) >= 100 and np.ptp(numbers) == 0:
+            notes.append(f'{channel}: the same number throughout; is the sensor connected?')
         kept[channel] = values
+    notes += [f'{", ".join(names)}: {missing} of {len(time)} samples missing'
+              for missing, names in holes.items()]
+    notes += _interruptions(time)
     if not kept:
         raise InputError(f'{source}: none of its channels holds a number')
     return Run(name, time, kept, source, tuple(notes))
+
+
+def _interruptions(time: np.ndarray) -> list[str]:
+    """Return a note if there are holes in the recording itself."""
+    steps = np.diff(time)
+    holes = np.flatnonzero(steps > _HOLE_PERIODS * np.median(steps))
+    if not len(holes):
+        return []
+    longest = holes[np.argmax(steps[holes])]
+    return [f'no samples for {steps[longest]:.3g} s after {time[longest]:g} s'
+            + (f' and in {len(holes) - 1} more places' if len(holes) > 1 else '')
+            + '; the replay bridges it with the last commands']
 
 
 def in_order(signal: Signal, notes: list[str]) -> Signal:

@@ -31,6 +31,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+import math
 import os
 from typing import Any, NamedTuple
 
@@ -138,7 +139,8 @@ def _entry(name: str, value: Any, where: str, si: str) -> Entry:
     numbers = []
     for key, default in (('scale', 1.0), ('offset', 0.0)):
         number = value.get(key, default)
-        if isinstance(number, bool) or not isinstance(number, (int, float)):
+        if isinstance(number, bool) or not isinstance(number, (int, float)) \
+                or not math.isfinite(number):
             raise InputError(f'{where}.{key}: expected a number, found {number!r}')
         numbers.append(float(number))
     if numbers[0] == 0.0:
@@ -165,7 +167,7 @@ def check_unit(unit: str, si: str, where: str) -> str:
         if si_unit(unit) == si:
             return canonical(unit)
     except UnitError as error:
-        raise InputError(f'{where}: {error}') from None
+        raise InputError(f'{where}: {error}; expected one like [{si}]') from None
     raise InputError(f'{where}: [{unit}] is a unit of another quantity; expected one like [{si}]')
 
 

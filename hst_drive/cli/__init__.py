@@ -23,6 +23,7 @@ import sys
 import traceback
 
 import hst_drive
+from hst_drive.cli.output import check_target
 from hst_drive.errors import InputError
 
 PROG = 'hst-drive'
@@ -148,4 +149,7 @@ def _run_verb(name: str, arguments: list[str], prog: str) -> int:
                      formatter_class=argparse.RawDescriptionHelpFormatter)
     module.add_arguments(parser)
     _add_common(parser)
-    return module.run(parser.parse_args(arguments))
+    options = parser.parse_args(arguments)
+    if getattr(options, 'json', None):
+        check_target(options.json)
+    return module.run(options)

@@ -42,9 +42,16 @@ def read_logs(paths: list[str], channels: str | None) -> list[Run]:
     from dataclasses import replace
 
     from hst_drive.bag import load_channel_map, read_log
+    from hst_drive.measure.run import refuse_impossible
 
     mapping = load_channel_map(channels) if channels else None
     runs = [read_log(path, mapping) for path in paths]
+    for run in runs:
+        refuse_impossible(run)
+    places = [Path(path).resolve() for path in paths]
+    for place, path in enumerate(paths):
+        if places[place] in places[:place]:
+            raise InputError(f'{path}: is given twice; the same log must count only once')
     names = [run.name for run in runs]
     return [replace(run, name=f'{Path(path).resolve().parent.name}/{run.name}')
             if names.count(run.name) > 1 else run for run, path in zip(runs, paths)]

@@ -12,7 +12,8 @@ import argparse
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
-from hst_drive.cli.output import add_json_argument, say, table, write_json
+from hst_drive.cli.output import add_json_argument, check_target, say, table, write_json
+from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
     from hst_drive.measure.compare import Comparison
@@ -37,6 +38,8 @@ def run(args: argparse.Namespace) -> int:
     """Compare and print."""
     from hst_drive.measure.compare import compare, model_of
 
+    if args.plot:
+        _check_plot(args.plot)
     rig = rig_of(args)
     runs = read_logs(args.logs, args.channels)
     for entry in runs:
@@ -139,6 +142,12 @@ def as_json(result: Comparison, rig: str) -> dict:
 def _signals_json(signals: dict[str, ErrorSummary]) -> dict:
     return {name: {**entry._asdict(), 'russell': entry.russell._asdict()}
             for name, entry in signals.items()}
+
+
+def _check_plot(target: str) -> None:
+    if not target.lower().endswith(('.png', '.pdf', '.svg')):
+        raise InputError(f'--plot {target}: expected a name that ends in .png, .pdf or .svg')
+    check_target(target)
 
 
 def _plot(result: Comparison, target: str) -> None:

@@ -52,9 +52,9 @@ def run(args: argparse.Namespace) -> int:
     rig.require('pump', 'motor', 'line', 'loading', 'controller', purpose='the speed loop')
     kp = rig.controller.kp if args.kp is None else args.kp
     ki = rig.controller.ki if args.ki is None else args.ki
-    if not (0.0 <= kp < math.inf and 0.0 <= ki < math.inf) or not 0 <= args.delay <= 1000:
+    if not (0.0 <= kp < math.inf and 0.0 <= ki < math.inf) or not 0 <= args.delay <= 100:
         raise InputError(f'--kp {kp:g} --ki {ki:g} --delay {args.delay}: expected numbers that '
-                         'are not negative and a delay of at most 1000 samples')
+                         'are not negative and a delay of at most 100 samples')
     step = rig.controller.sample_time
     points = _plants(rig, args.speed, args.load)
     plants = [plant for _, _, plant in points]
@@ -87,7 +87,8 @@ def _plants(rig: Rig, speeds: list[float],
     from hst_drive.model.steady import linearise, operating_point
 
     if any(not 0.0 < speed < 1e5 for speed in speeds) or any(not 0.0 <= m < 1e6 for m in loads):
-        raise InputError('--speed, --load: expected speeds above 0 rpm and loads of 0 N.m or more')
+        raise InputError('--speed, --load: expected speeds from 0 to 1e5 rpm and loads of '
+                         f'0 to 1e6 N.m; found {", ".join(f"{x:g}" for x in (*speeds, *loads))}')
     drive = Drive(rig)
     points: list[tuple[float, float, Plant]] = []
     for speed in speeds:

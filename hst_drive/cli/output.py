@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping, Sequence
 import dataclasses
+import errno
 import json
 import math
 import os
@@ -84,6 +85,20 @@ def write_yaml(data: Mapping, target: str | os.PathLike) -> None:
 
     write_text(yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=99,
                               allow_unicode=True), target)
+
+
+def check_target(target: str | os.PathLike) -> None:
+    """Raise InputError if a file cannot be written: better told before the work than after."""
+    path = Path(target)
+    if os.fspath(target) == '-' or path.exists() and not path.is_dir() and not path.is_file():
+        return
+    if path.is_dir():
+        raise _unwritable(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as problem:
+        raise _unwritable(path, problem) from None
 
 
 def write_text(text: str, target: str | os.PathLike) -> None:

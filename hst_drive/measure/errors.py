@@ -88,7 +88,8 @@ def summarise(model: np.ndarray, measured: np.ndarray, unit: str, noise: float,
     error = model - measured
     rmse = math.sqrt(float(np.mean(error**2)))
     spread = math.sqrt(float(np.mean((measured - measured.mean())**2)))
+    moves = spread > 1e-9 * float(np.abs(measured).max())
     return ErrorSummary(
         unit, len(error), rmse, float(error.mean()), float(np.abs(error).max()), noise, floor,
-        rmse / floor if floor > 0 else math.inf, 1 - rmse / spread if spread > 0 else math.nan,
+        rmse / floor if floor > 0 else math.inf, 1 - rmse / spread if moves else math.nan,
         russell(model, measured))

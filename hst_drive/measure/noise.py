@@ -11,6 +11,7 @@ C. K. I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, sect
 """
 from __future__ import annotations
 
+import math
 from typing import NamedTuple, Sequence
 
 import numpy as np
@@ -116,8 +117,12 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
         blocks = np.array_split(squares, max(len(squares) // size, 1))
         growth.append(np.median([block.mean() for block in blocks]) if len(squares) else 0.0)
     half = 0.5 * np.array(growth)
-    weights = 1 / np.maximum(half, 1e-2 * half.max() + 1e-300)
-    best, error = Coloured(0.0, 0.3, noise), np.inf
+    top = float(half.max())
+    if top < 1e-100:
+        return Coloured(0.0, 0.3, 0.0)
+    half, noise = half / top, noise / math.sqrt(top)
+    weights = 1 / np.maximum(half, 1e-2)
+    best, error = Coloured(0.0, 0.3, noise * math.sqrt(top)), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
         shape = 1 - np.exp(-lags * step / constant)
         columns = np.column_stack([np.ones(len(lags)), shape]) * weights[:, None]
@@ -127,7 +132,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
         variance = max(float(columns[:, 1] @ rest / (columns[:, 1] @ columns[:, 1])), 0.0)
         misfit = float(np.sum((rest - variance * columns[:, 1])**2))
         if misfit < error:
-            best, error = Coloured(np.sqrt(variance), constant, np.sqrt(white)), misfit
+            best = Coloured(math.sqrt(variance * top), constant, math.sqrt(white * top))
+            error = misfit
     return best
 
 

@@ -6,8 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from hst_drive.units import si_unit
+from hst_drive.errors import InputError
+from hst_drive.units import from_si, si_unit
 import numpy as np
+
+# By unit: what is beyond it is a slip of the unit or a fault code, not a hydraulic drive.
+_IMPOSSIBLE = {'V': 1e3, 'rpm': 1e5, 'degC': 1e3, 'bar': 1e4, 'L/min': 1e6, 'N.m': 1e8,
+               'cc/rev': 1e6}
 
 
 class Channel(NamedTuple):
@@ -109,3 +114,24 @@ class Run:
             hold = name in CHANNELS and CHANNELS[name].hold == 'zero'
             channels[name] = values[kept] if hold else values[around].mean(axis=1)
         return Run(self.name, self.time[around].mean(axis=1), channels, self.source, self.notes)
+
+
+def refuse_impossible(run: Run) -> None:
+    """
+    Check that no channel holds numbers that no hydraulic drive has.
+
+    Raises
+    ------
+    InputError
+        Otherwise; names channel, value and time.
+
+    """
+    for name, values in run.channels.items():
+        unit = CHANNELS[name].display
+        shown = from_si(values, unit)
+        bad = np.flatnonzero(np.abs(shown) > _IMPOSSIBLE[unit])
+        if len(bad):
+            raise InputError(
+                f'{run.source}: {name} is {shown[bad[0]]:.4g} {unit} at {run.time[bad[0]]:g} s '
+                f'({len(bad)} of {len(values)} samples lie beyond {_IMPOSSIBLE[unit]:g} {unit}); '
+                'check its unit, or leave the cells of faulty samples empty')

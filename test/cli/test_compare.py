@@ -220,3 +220,35 @@ def test_as_a_process(log):
     done = subprocess.run([sys.executable, '-m', 'hst_drive', 'compare', str(log)],
                           capture_output=True, text=True, timeout=120)
     assert done.returncode == 0 and 'hydromotor speed [rpm]' in done.stdout and not done.stderr
+
+
+def test_a_hole_in_the_recording_is_told(run, tmp_path, capsys):
+    path = tmp_path / 'hole.csv'
+    write_csv(path, Run('hole', np.delete(run.time, slice(100, 200)), {
+        name: np.delete(values, slice(100, 200)) for name, values in run.channels.items()}))
+    code, out, err = command(capsys, path)
+    assert code == 0 and 'no samples for 1.01 s after 0.99 s' in err
+
+
+def test_impossible_numbers_are_refused(run, tmp_path, capsys):
+    path = tmp_path / 'fault.csv'
+    speed = run['motor_speed'].copy()
+    speed[50:53] = 65535e3
+    write_csv(path, Run('fault', run.time, {**run.channels, 'motor_speed': speed}))
+    assert 'motor_speed is 6.258e+08 rpm at 0.5 s (3 of 400' in refused(capsys, path)
+
+
+def test_what_cannot_be_written_or_counts_twice_is_told_at_once(log, tmp_path, capsys):
+    assert 'cannot be written' in refused(capsys, log, '--json', tmp_path / 'no' / 'a.json')
+    assert 'ends in .png' in refused(capsys, log, '--plot', tmp_path / 'a')
+    assert 'cannot be written' in refused(capsys, log, '--plot', tmp_path / 'no' / 'a.png')
+    assert 'given twice' in refused(capsys, log, log)
+
+
+def test_a_frozen_channel_is_told(run, tmp_path, capsys):
+    path = tmp_path / 'frozen.csv'
+    write_csv(path, Run('frozen', run.time, {
+        **run.channels, 'motor_speed': np.full(len(run), 10.471975512)}))
+    code, out, err = command(capsys, path, '--json', tmp_path / 'a.json')
+    assert code == 0 and 'motor_speed: the same number throughout' in err
+    assert json.loads((tmp_path / 'a.json').read_text())['signals']['motor_speed']['fit'] is None

@@ -101,3 +101,11 @@ def test_nothing_to_smooth():
     smoother = Smoother(TIME, Coloured(0.0, 0.3, 0.5))
     assert not smoother(np.ones(6000)).any()
     assert not smoother.draw_error(np.random.default_rng(1)).any()
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('size', [0.0, 1e-160, 1e-12, 1e9])
+def test_the_unit_of_a_residual_does_not_matter(size):
+    values = size * np.random.default_rng(1).standard_normal(2000)
+    found = estimate_coloured(np.arange(2000) * 0.01, values, size)
+    assert found.noise_std <= 1.001 * size and found.std <= 0.5 * size
