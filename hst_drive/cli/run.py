@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.nodes.runner import execute, RunFailed
 
     plan = make_plan(Options(
-        args.scenario, args.output, args.realtime, args.speed or 0.0, args.rig, args.log,
+        args.scenario, args.output, args.realtime, args.speed, args.rig, args.log,
         tuple(args.effect), args.seed, args.duration, args.rate, tuple(args.topic), args.truth))
     for note in plan.notes:
         say(f'note: {note}')
@@ -63,7 +63,8 @@ def run(args: argparse.Namespace) -> int:
     except RunFailed as problem:
         say(f'hst-drive run: {problem}')
         return 1
-    print(report(result))
+    if args.json != '-':
+        print(report(result))
     if args.json:
         write_json(result, args.json)
     return 130 if result['interrupted'] else 0
@@ -84,7 +85,7 @@ def report(result: dict) -> str:
     """Return the figures as text."""
     rows: list[tuple[str, object]] = [
         ('simulated time [s]', result['seconds']), ('messages', result['messages']),
-        ('times real time', result['real_time_factor'])]
+        ('times real time', f"{result['real_time_factor']:.3g}")]
     speed = result['speed']
     if speed:
         rows += [('mean speed [rpm]', f"{from_si(speed['mean'], 'rpm'):.2f}"),
@@ -92,7 +93,8 @@ def report(result: dict) -> str:
                  ('rms error [rpm]', f"{from_si(speed['rms_error'], 'rpm'):.3f}"),
                  ('worst excursion [rpm]', f"{from_si(speed['worst_error'], 'rpm'):+.2f} "
                   f"at {speed['worst_at']:.2f} s"),
-                 ('counted from', f"{speed['from']:.2f} s, when the set point was reached")]
+                 ('counted from', f"{speed['from']:.2f} s, when the set point was reached; "
+                  'after each jump of it, when it was reached again')]
     where = f"bag: {result['bag']}" if result['bag'] else 'nothing was recorded'
     head = 'interrupted; the bag is complete up to there\n' if result['interrupted'] else ''
     cells = [(name, value if isinstance(value, str) else f'{value:g}') for name, value in rows]

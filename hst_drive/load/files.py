@@ -44,7 +44,10 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
     rig = rig or default_rig()
     rig.require('loading', purpose='the load of a scenario')
 
+    asked: list[str | None] = []
+
     def read_text(name: str | None) -> tuple[str, str]:
+        asked.append(name)
         if log is None and name is None:
             raise InputError(f"{path}: 'load.file' is missing; name a drilling log there or give "
                              'one with --log')
@@ -61,7 +64,12 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
         unit = LoadingUnit.of(rig.loading)
     except ValueError as error:
         raise InputError(f'{rig.source or rig.name}: {error}') from None
-    return parse_scenario(read_yaml(path), unit, str(path), read_text)
+    scenario = parse_scenario(read_yaml(path), unit, str(path), read_text)
+    if log is not None and not asked:
+        raise InputError(f"{path}: drills no log (its 'load.kind' is not drilling_log), so --log "
+                         f'{log} would not count; leave it out or choose a scenario that does, '
+                         'e.g. real_log')
+    return scenario
 
 
 def _find(source: str | Path) -> Path:

@@ -31,8 +31,8 @@ class Options:
         Folder to record to; by default scenario and time of day.
     realtime : bool
         The clock on the wall; else simulated time in lockstep.
-    speed : float
-        In lockstep, simulated per real second; 0: as fast as it goes.
+    speed : float, optional
+        In lockstep, simulated per real second; None: as fast as it goes.
     rig, log : str, optional
         Rig file; drilling log in place of the scenario's.
     effects : tuple of str
@@ -51,7 +51,7 @@ class Options:
     scenario: str
     output: str | None = None
     realtime: bool = False
-    speed: float = 0.0
+    speed: float | None = None
     rig: str | None = None
     log: str | None = None
     effects: tuple[str, ...] = ()
@@ -90,7 +90,8 @@ def make_plan(options: Options) -> Plan:
     seed = scenario.seed if options.seed is None else options.seed
     for name, value, low, high in (
             ('--duration', duration, 0.1, 1e6), ('--rate', options.rate, 1.0, 1000.0),
-            ('--speed', options.speed or 1.0, 1e-3, 1e4), ('--seed', seed, 0, 2**31 - 1)):
+            ('--speed', 1.0 if options.speed is None else options.speed, 1e-3, 1e4),
+            ('--seed', seed, 0, 2**31 - 1)):
         if not low <= value <= high:
             raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
     output = Path(options.output
@@ -111,7 +112,7 @@ def make_plan(options: Options) -> Plan:
              'effects': ' '.join(effect_texts(effects))}
     parameters = {
         'plant': {**common, **extra, 'rig': rig_file, 'seed': seed, 'rate': float(options.rate),
-                  'duration': float(duration), 'speed': float(options.speed),
+                  'duration': float(duration), 'speed': float(options.speed or 0.0),
                   'effects': effect_texts(effects) or [''], 'progress': True,
                   'start_speed': start[0], 'start_pprv_command': start[1]},
         'load_profile': {**common, 'scenario': str(source.resolve()), 'rig': rig_file,

@@ -108,15 +108,22 @@ def _figures(plan: Plan, progress: dict, interrupted: bool) -> dict:
 
 
 def speed_held(record: Run) -> dict | None:
-    """Return how well the speed was held, rad/s and s, from when it first came within 2 %."""
+    """
+    Return how well the speed was held, rad/s and s.
+
+    It counts from when the speed first came within 2 % of the set point, and after each jump of
+    the set point from when it came there again.
+    """
     if 'motor_speed' not in record or 'speed_setpoint' not in record:
         return None
     speed, wanted = record['motor_speed'], record['speed_setpoint']
-    near = np.flatnonzero(np.abs(speed - wanted) <= 0.02 * np.abs(wanted))
-    if not near.size:
+    near = np.abs(speed - wanted) <= 0.02 * np.abs(wanted)
+    if not near.any():
         return None
-    time_held, speed = (values[near[0]:] for values in (record.time - record.time[0], speed))
-    error = speed - wanted[near[0]:]
+    jumps = np.flatnonzero(np.abs(np.diff(wanted)) > 0.02 * np.abs(wanted[1:])) + 1
+    held = np.concatenate([np.maximum.accumulate(part) for part in np.split(near, jumps)])
+    time_held, speed = (record.time - record.time[0])[held], speed[held]
+    error = speed - wanted[held]
     worst = int(np.nanargmax(np.abs(error)))
     return {'unit': 'rad/s', 'from': float(time_held[0]), 'mean': float(np.nanmean(speed)),
             'mean_error': float(np.nanmean(error)),

@@ -9,6 +9,7 @@ import math
 import re
 
 from hst_drive.effects import catalogue
+from hst_drive.effects.base import Parameter
 from hst_drive.errors import InputError
 from hst_drive.units import parse_header, si_unit, to_si, UnitError
 
@@ -29,7 +30,8 @@ def parse_effects(texts: Iterable[str]) -> dict[str, dict[str, float]]:
     Raises
     ------
     InputError
-        If a text has another form, or names an effect or a parameter that does not exist.
+        If a text has another form, names an effect or a parameter that does not exist, or has
+        a value outside the parameter's bounds.
 
     """
     effects: dict[str, dict[str, float]] = {}
@@ -46,8 +48,17 @@ def parse_effects(texts: Iterable[str]) -> dict[str, dict[str, float]]:
         if parameter:
             declared = {entry.name: entry for entry in catalogue()[name].parameters}
             _known(f'parameter of {name}', parameter, declared, text)
-            values[parameter] = _number(text, value, unit, declared[parameter].unit)
+            number = _number(text, value, unit, declared[parameter].unit)
+            _plausible(text, number, declared[parameter])
+            values[parameter] = number
     return effects
+
+
+def _plausible(text: str, number: float, declared: Parameter) -> None:
+    if number != declared.neutral and not declared.low <= number <= declared.high:
+        raise InputError(f"effect '{text}': {number:g} {declared.unit} is outside the plausible "
+                         f'range {declared.low:g} to {declared.high:g} {declared.unit}; check the '
+                         'value and its unit')
 
 
 def _known(what: str, name: str, known, text: str) -> None:

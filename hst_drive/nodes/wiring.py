@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 from hst_drive.bag.topics import TOPICS
 from hst_drive.errors import InputError
@@ -40,8 +41,9 @@ def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
     extra = tuple(extra)
     for name in extra:
         if name not in own:
-            raise InputError(f"extra_topics: the plant has no topic '{name}'; "
-                             f"it has {', '.join(own)}")
+            near = get_close_matches(name, own, n=1)
+            raise InputError(f"topic '{name}' is none of the plant's; " + (
+                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(own)}"))
     return tuple(name for name, topic in own.items() if topic.on or name in extra)
 
 

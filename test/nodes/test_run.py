@@ -7,6 +7,8 @@ import subprocess
 import sys
 
 from hst_drive.bag import read_log
+from hst_drive.measure.run import Run
+from hst_drive.nodes.runner import speed_held
 import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
@@ -132,6 +134,10 @@ def test_real_time_keeps_the_clock(tmp_path):
     (('paper_step', '--effect', 'what is this'), ('id.parameter=value',)),
     (('paper_step', '--topic', 'pump_command'), ('pump_command', 'motor')),
     (('paper_step', '--rate', '5000'), ('--rate', '1000')),
+    (('paper_step', '--speed', '0'), ('--speed 0', '0.001')),
+    (('paper_step', '--log', 'hole.csv'), ('paper_step.yaml', 'hole.csv', 'real_log')),
+    (('paper_step', '--topic', 'case_drain'), ('case_drain_flow',)),
+    (('paper_step', '--json', 'nowhere/a.json'), ('nowhere/a.json', 'cannot be written')),
     (('paper_step', '--rig', 'nowhere.yaml'), ('nowhere.yaml',)),
     (('paper_step', '-o', '.'), ('exists already',)),
 ])
@@ -142,3 +148,13 @@ def test_wrong_input_is_refused_before_anything_starts(arguments, words, tmp_pat
     assert len(err.strip().splitlines()) == 1
     assert all(word in err for word in words), err
     assert not (tmp_path / 'bag').exists()
+
+
+def test_a_jump_of_the_set_point_is_no_excursion():
+    time = np.arange(400) * 0.01
+    wanted = np.where(time < 2, 10.0, 4.0)
+    speed = wanted + np.where(time < 2, 10.0, 6.0) * np.exp(-(time % 2) / 0.1) * np.where(
+        time < 2, -1.0, 1.0)
+    speed[300] += 0.7
+    found = speed_held(Run('made', time, {'motor_speed': speed, 'speed_setpoint': wanted}))
+    assert found['worst_at'] == 3.0 and abs(found['worst_error'] - 0.7) < 0.01

@@ -10,8 +10,8 @@ import pytest
 
 
 def test_units_and_bare_ids():
-    assert parse_effects(['motor_leakage.conductance=0.6[L/min/bar]']) == {
-        'motor_leakage': {'conductance': pytest.approx(0.6e-3 / 60 / 1e5)}}
+    assert parse_effects(['motor_leakage.conductance=0.06[L/min/bar]']) == {
+        'motor_leakage': {'conductance': pytest.approx(0.06e-3 / 60 / 1e5)}}
     assert parse_effects(['', 'motor_leakage']) == {'motor_leakage': {}}
 
 
@@ -24,7 +24,8 @@ def test_every_effect_survives_the_way_through_text():
 @pytest.mark.parametrize('text', [
     'motor_leakge.conductance=1', 'motor_leakage.g=1', 'motor_leakage.conductance=much',
     'motor_leakage.conductance=nan', 'motor_leakage.conductance=1[bar]',
-    'motor_leakage.conductance=1[furlong]', 'motor_leakage=3'])
+    'motor_leakage.conductance=1[furlong]', 'motor_leakage=3',
+    'motor_leakage.conductance=-1e-12', 'bearing_friction.coulomb=1e9'])
 def test_what_cannot_be_read_is_named(text):
     with pytest.raises(InputError, match='effect') as caught:
         parse_effects([text])
