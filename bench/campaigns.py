@@ -4,19 +4,23 @@
 from __future__ import annotations
 
 import random
-from test.truth import EFFECTS, make_campaign, OUTSIDE
+from test.truth import Campaign, EFFECTS, make_campaign, OUTSIDE
+from test.truth.sensors import STANDARD
 from typing import NamedTuple
 
 from hst_drive.measure.run import Run
+from hst_drive.rig import Rig
+from hst_drive.rig.load import parse_rig
 from hst_drive.units import parse_header, to_si
 import numpy as np
 
 SEEDS = {'dev': 10_000, 'score': 700_000}
-COUNTS = {'none': 40, 'single': 100, 'pair': 24, 'outside': 44}
-VISIBLE = 3.0       # noise deviations (rms) by which a detectable effect moves some signal
-# A command that moves shows what the PI hides in the speed: its noise is its resolution.
-_NOISE = {'pump_outlet_pressure[bar]': 0.12, 'motor_inlet_flow[L/min]': 0.05,
-          'motor_speed[rpm]': 0.15, 'load_torque[N.m]': 0.5, 'pump_command[V]': 0.0025}
+ROUND = {'none': 12, 'single': len(EFFECTS), 'pair': 6, 'outside': len(OUTSIDE)}
+ROUNDS = 5
+HOLDOUT = 'drilling_holdout'
+_MAY_MISS = ('motor_inlet_flow', 'load_torque', 'motor_speed', 'pump_outlet_pressure',
+             'oil_temperature', 'speed_setpoint')
+_MORE = ('motor_inlet_pressure', 'case_drain_flow', 'pump_speed')
 
 
 class Task(NamedTuple):
@@ -28,58 +32,54 @@ class Task(NamedTuple):
     options: dict
 
 
-def tasks(part: str) -> list[Task]:
-    """Return the campaigns of a part of the benchmark, always the same ones."""
+def tasks(part: str, rounds: int = ROUNDS) -> list[Task]:
+    """Return the campaigns of a part, always the same ones; a round has each effect once."""
     found = []
-    seed = SEEDS[part]
     names, outside = sorted(EFFECTS), sorted(OUTSIDE)
-    for kind, count in COUNTS.items():
-        for number in range(count):
-            seed += 1
-            draw = random.Random(seed)
-            if kind == 'single':
-                chosen = [names[number % len(names)]]
-            elif kind == 'pair':
-                chosen = draw.sample(names, 2)
-            elif kind == 'outside':
-                chosen = [outside[number % len(outside)]]
-            else:
-                chosen = []
-            sizes = {name: round(draw.uniform(0.5, 1.5), 2) for name in chosen}
-            options = {'on_datasheet': draw.random() < 0.25,
-                       'rate_hz': draw.choice([100, 100, 100, 50, 200])}
-            found.append(Task(kind, seed, sizes, options))
+    for turn in range(rounds):
+        seed = SEEDS[part] + 1000 * turn
+        for kind, count in ROUND.items():
+            for number in range(count):
+                seed += 1
+                draw = random.Random(seed)
+                chosen = {'none': [], 'single': [names[number % len(names)]],
+                          'pair': draw.sample(names, 2),
+                          'outside': [outside[number % len(outside)]]}[kind]
+                sizes = {name: round(draw.uniform(0.5, 1.5), 2) for name in chosen}
+                found.append(Task(kind, seed, sizes, _options(draw, seed)))
     return found
 
 
-def campaign(task: Task) -> tuple[list[Run], list[Run], dict, float]:
-    """
-    Make a campaign.
+def _options(draw: random.Random, seed: int) -> dict:
+    """Draw the unit, the rig and how it was recorded: half the campaigns are the usual ones."""
+    options = {'on_datasheet': draw.random() < 0.25, 'rate_hz': 100.0}
+    if draw.random() < 0.2:
+        options['rig_seed'] = seed
+    if draw.random() < 0.25:
+        options['rate_hz'] = draw.choice([50.0, 200.0])
+    if draw.random() < 0.25:
+        options['temperature'] = draw.choice(['steady', 'warm', 'constant_warm'])
+    if draw.random() < 0.1:
+        options.update(jitter=5e-4, drop_out=0.01)
+    kind = draw.random()
+    if kind < 0.2:
+        missing = draw.choice(_MAY_MISS)
+        options['channels'] = tuple(name for name in STANDARD if name != missing)
+    elif kind < 0.3:
+        options['channels'] = (*STANDARD, draw.choice(_MORE))
+    return options
 
-    Returns
-    -------
-    runs, holdout : list of Run
-    truth : dict
-        What was hidden.
-    visible : float
-        By how many noise deviations (rms, training logs) the effects move the signal that they
-        move most, against the same campaign without them.
 
-    """
-    made = make_campaign(task.seed, task.effects, keep_exact=False, **task.options)
-    visible = 0.0
-    if task.effects:
-        bare = make_campaign(task.seed, {}, keep_exact=False, **task.options)
-        for name, columns in made.logs.items():
-            for header, noise in _NOISE.items():
-                if name != 'drilling_holdout' and header in columns:
-                    moved = np.asarray(columns[header]) - np.asarray(bare.logs[name][header])
-                    # The difference of two noisy readings holds the noise twice.
-                    power = float(np.nanmean(moved**2)) / noise**2
-                    visible = max(visible, np.sqrt(max(power - 2.0, 0.0)))
+def campaign(task: Task) -> Campaign:
+    """Make what a user would have, and what only the maker knows."""
+    return make_campaign(task.seed, task.effects, **task.options)
+
+
+def as_runs(made: Campaign) -> tuple[Rig, list[Run], list[Run]]:
+    """Return the rig, the logs to fit on and those held out, as a user gives them."""
     runs = {name: _run(name, columns) for name, columns in made.logs.items()}
-    held = runs.pop('drilling_holdout')
-    return list(runs.values()), [held], made.truth, float(visible)
+    held = runs.pop(HOLDOUT)
+    return parse_rig(made.sheet), list(runs.values()), [held]
 
 
 def _run(name: str, columns: dict) -> Run:
