@@ -10,6 +10,7 @@ error falls.
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,13 +55,14 @@ def run(args: argparse.Namespace) -> int:
         return 1
     _say_step(4, 'The same comparison with it')
     _compared(runs, rig_file)
+    called = os.environ.get('HST_DRIVE_CALLED') or 'hst-drive'   # ./dev says how it was called
     print(f'\nbags: {bags[0]} (drilling) and {bags[1]} (commissioning, commands by hand)\n'
           f'the rig with what was found: {rig_file}\n'
           f'again, step by step:\n'
-          f'  hst-drive compare {bags[0]} --plot drilling.png\n'
-          f'  hst-drive diagnose {" ".join(bags)} --json diagnosis.json\n'
-          '  hst-drive adopt diagnosis.json -o rig.yaml\n'
-          f'  hst-drive compare {bags[0]} --rig rig.yaml')
+          f'  {called} compare {bags[0]} --plot drilling.png\n'
+          f'  {called} diagnose {" ".join(bags)} --json diagnosis.json\n'
+          f'  {called} adopt diagnosis.json -o rig.yaml\n'
+          f'  {called} compare {bags[0]} --rig rig.yaml')
     return 0
 
 

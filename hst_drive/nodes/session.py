@@ -129,6 +129,21 @@ class _Process:
         return list(self.errors)
 
 
+def _can_log(env: Mapping[str, str]) -> bool:
+    """Return whether rclpy finds a folder for its log; without one it does not start."""
+    if env.get('ROS_LOG_DIR'):
+        return True
+    home = env.get('ROS_HOME') or (env.get('HOME') and os.path.join(env['HOME'], '.ros'))
+    if not home:
+        return False
+    try:
+        os.makedirs(os.path.join(home, 'log'), exist_ok=True)
+        with tempfile.TemporaryFile(dir=os.path.join(home, 'log')):
+            return True
+    except OSError:
+        return False
+
+
 class Session:
     """
     The processes of a run; a context manager that leaves none behind.
@@ -154,6 +169,8 @@ class Session:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix='hst_drive_')))
         try:
             env = environment(self._stack)
+            if not _can_log(env):
+                env['ROS_LOG_DIR'] = str(folder / 'log')
             path = folder / 'run.yaml'
             path.write_text(yaml.dump({
                 f'/**/{name}': {'ros__parameters': dict(values)}

@@ -158,3 +158,15 @@ def test_a_jump_of_the_set_point_is_no_excursion():
     speed[300] += 0.7
     found = speed_held(Run('made', time, {'motor_speed': speed, 'speed_setpoint': wanted}))
     assert found['worst_at'] == 3.0 and abs(found['worst_error'] - 0.7) < 0.01
+
+
+@pytest.mark.parametrize('home', [None, '/proc/nowhere'])
+def test_a_run_needs_no_home(home, tmp_path, monkeypatch):
+    for name in ('ROS_LOG_DIR', 'ROS_HOME', 'HOME'):
+        monkeypatch.delenv(name, raising=False)
+    if home:
+        monkeypatch.setenv('HOME', home)
+    monkeypatch.setenv('PYTHONNOUSERSITE', '1')
+    code, _, err = run('run', 'paper_step', '-o', str(tmp_path / 'bag'), '--duration', '0.5')
+    assert code == 0, err
+    assert (tmp_path / 'bag' / 'metadata.yaml').is_file()
