@@ -11,6 +11,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.judge import contribution
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
@@ -24,6 +25,7 @@ from hst_drive.rig import Rig
 _RIVALS_TRIED = 6
 _BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 _BEATEN_SIGMA = 3.0
+_BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
 _BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
@@ -144,18 +146,32 @@ def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
             for before, after in zip(ladder[1:], ladder[2:])]
 
 
-def _beaten(search: Search, best: Candidate, rival: Candidate) -> bool:
-    """Say whether the data tell the rival from the best explanation."""
-    # Rivals have about as many parameters: what was fitted may judge between them, too.
-    clear = any(found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
-                for found in (search.gain(rival, best), search.gain(rival, best, False))
-                for name in found.share)
-    return clear and rival.score - best.score > _BEATEN_SCORE
+def _beaten(search: Search, best: Candidate, rival: Candidate,
+            without: Fit) -> bool:
+    """
+    Say whether the data tell the rival from the best explanation.
+
+    ``without`` is the best explanation with the effect in question taken out: a difference that
+    another formula of that effect could make does not count. Rivals have about as many
+    parameters, so that what was fitted may judge between them, too.
+    """
+    if rival.score - best.score <= _BEATEN_SCORE:
+        return False
+    for held_out in (True, False):
+        found = search.gain(rival, best, held_out)
+        done = contribution(search.campaign, without, best.fit, held_out)
+        form = sum((_BEATEN_FORM * value)**2 for value in done.values())
+        if sum(max(value, 0.0) for value in found.amount.values()) >= form and any(
+                found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
+                for name in found.share):
+            return True
+    return False
 
 
 def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     """Return the effects that could stand in the place of one of those found."""
     kept = best.fit.model.without(name)
+    without = best.fit._replace(errors=search.campaign.errors(kept))
     others = tuple(entry for entry in best.names if entry != name)
     singles = sorted((entry for entry in search.candidates
                       if entry not in best.names), key=lambda entry: search.single(entry).score)
@@ -166,7 +182,7 @@ def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
                            'trying rivals')
     return tuple(next(entry for entry in rival.names if entry not in others)
                  for rival in sorted(found, key=lambda item: item.score)
-                 if not _beaten(search, best, rival))
+                 if not _beaten(search, best, rival, without))
 
 
 def _ranking(search: Search) -> tuple[Ranked, ...]:

@@ -82,6 +82,9 @@ class Replay:
                              f'{", ".join(SIGNALS)}')
         time = run.time
         self.inputs = {name: filled(run[name], hold=True) for name in INPUTS}
+        if 'motor_speed' in run:
+            turned = np.diff(time) * filled(run['motor_speed'])[:-1]
+            self.inputs['motor_angle'] = np.concatenate([[0.0], np.cumsum(turned)])
         self._parts = self._subdivision(drive)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
@@ -91,8 +94,32 @@ class Replay:
         self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
         self.noise = {name: self._signal_noise(name, run[name], drive) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
+        self._held = True
+        if self._parts > 1:
+            # A slow record does not show each command: a straight line between the recorded ones
+            # may be nearer to what the drive got than holding the older one. The data decide.
+            line, held = (self._misfit(drive, choice) for choice in (False, True))
+            self._held = held <= line
+            if not self._held:
+                self.stamps = 0.3 * run.sample_time
+        self._prepare(drive)
+
+    def _misfit(self, drive: Drive, held: bool) -> float:
+        """Return the squared error over the noise with one way to fill in the commands."""
+        self._held = held
+        noise = dict(self.noise)
+        self._prepare(drive)
+        model = self.predict(drive).signals
+        misfit = sum(float(np.nanmedian((model[name] - self.run[name])**2)) / noise[name]**2
+                     for name in self.signals if name != self.torque)
+        self.noise = noise
+        return misfit
+
+    def _prepare(self, drive: Drive) -> None:
+        """Find the noise, and the part of the load that the model does not explain."""
         self.can_correct = False
         self.roughness = Coloured(0.0, 0.3, 0.0)
+        run = self.run
         if self.torque:
             self._measured = filled(run[self.torque])
             if 'motor_speed' in run or 'motor_inlet_flow' in run:
@@ -106,36 +133,32 @@ class Replay:
         self._refine_noise(drive)
 
     def _subdivision(self, drive: Drive) -> int:
-        """
-        Return how many steps of the controller lie between two samples.
-
-        A slow record does not show each command: a straight line between the recorded ones is
-        nearer to what the drive got than holding the older one.
-        """
+        """Return how many steps of the controller lie between two samples."""
         period = drive.rig.controller.sample_time if drive.rig.controller else 0.01
-        parts = int(round(self.run.sample_time / period))
-        if parts < 2:
-            return 1
-        self.stamps = 0.3 * self.run.sample_time
-        return parts
+        return max(int(round(self.run.sample_time / period)), 1)
 
-    def _finer(self, values: np.ndarray) -> np.ndarray:
+    def _finer(self, values: np.ndarray, command: bool = False) -> np.ndarray:
         """Return values at the steps between the samples, too."""
         if self._parts == 1:
             return values
         n = len(values)
-        return np.interp(np.arange((n - 1) * self._parts + 1) / self._parts, np.arange(n), values)
+        places = np.arange((n - 1) * self._parts + 1) / self._parts
+        if command and self._held:
+            return values[places.astype(int)]
+        return np.interp(places, np.arange(n), values)
 
     def _load_model(self, drive: Drive) -> np.ndarray:
-        return drive.load_torque(*(self._finer(values) for values in (
-            self.run.time, self.inputs['pprv_command'], self._speed,
-            self.inputs['oil_temperature'])))[::self._parts]
+        command = self._finer(self.inputs['pprv_command'], command=True)
+        time, speed, temperature = (self._finer(values) for values in (
+            self.run.time, self._speed, self.inputs['oil_temperature']))
+        return drive.load_torque(time, command, speed, temperature)[::self._parts]
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, 'load_disturbance': disturbance}
         signals = drive.simulate(
             self._finer(self.run.time),
-            {name: self._finer(values) for name, values in inputs.items()}, self.start(drive))
+            {name: self._finer(values, name in INPUTS) for name, values in inputs.items()},
+            self.start(drive))
         return {name: values[::self._parts] for name, values in signals.items()}
 
     def _correct(self, drive: Drive) -> None:

@@ -148,7 +148,8 @@ class Drive:
             s, strictly rising.
         inputs : mapping of str to ndarray, shape (n,)
             'pump_command', 'pprv_command' (V), 'oil_temperature' (K, by default that of the
-            tables) and 'load_disturbance' (N.m, by default none). Commands hold until the next
+            tables), 'load_disturbance' (N.m, by default none) and 'motor_angle' (rad, by default
+            integrated). Commands hold until the next
             sample; the disturbance moves on a straight line.
         state : ndarray, optional
             Where to start; at the end it holds the last state. By default at rest.
@@ -171,13 +172,16 @@ class Drive:
         disturbance = inputs.get('load_disturbance')
         if disturbance is None:
             disturbance = np.zeros(n)
+        angle = inputs.get('motor_angle')
+        if angle is None:
+            angle = np.full(n, np.nan)
         if state is None:
             state = self.initial_state(pump_command=commands[0][0], pprv_command=commands[1][0])
         out = np.empty((n, len(OUTPUTS)))
         self.kernel.simulate(
             time, *commands, temperature, self.viscosity_ratio(temperature),
-            np.ascontiguousarray(disturbance, dtype=float), state, self.parameters, self.switches,
-            *self.tables, self.max_step, out)
+            *(np.ascontiguousarray(values, dtype=float) for values in (disturbance, angle)), state,
+            self.parameters, self.switches, *self.tables, self.max_step, out)
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
         readings['motor_torque'] = readings['load_torque']
         return readings

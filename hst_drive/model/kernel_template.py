@@ -107,8 +107,9 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     """
     Evaluate all balances at one instant.
 
-    Returns motor_flow, motor pressure, hydromotor torque, load torque, net pump flow, pump
-    speed, motor leakage, total compressibility, shaft torque, net relief flow.
+    Returns flow into the hydromotor, its inlet pressure, its torque, load torque, flow that the
+    pump delivers beyond the relief valve's, pump speed, hydromotor leakage, compressibility,
+    shaft torque, relief flow, pressure drop of the line.
     """
     motor_displacement = p[P_motor_displacement]
     max_displacement = p[P_max_displacement]
@@ -214,13 +215,15 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
 
 
 def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_ratios, disturbances,
-             state, p, on, values, layout, max_step, out):
+             motor_angles, state, p, on, values, layout, max_step, out):
     """
     Integrate over a record with the classical Runge-Kutta method of fourth order.
 
     ``out[k]`` gets the readings at ``time[k]``; then the commands of sample k hold until
     ``time[k + 1]`` while the disturbance moves on a straight line. The step is cut near
-    standstill and at the relief valve, where the equations are stiff. ``state`` is updated.
+    standstill and at the relief valve, where the equations are stiff. ``state`` is updated. Where
+    ``motor_angles`` is a number it takes the place of the integrated one: over minutes an error
+    of a thousandth in speed turns the pistons out of phase.
     """
     n = len(time)
     displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
@@ -234,6 +237,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         oil_temperature = oil_temperatures[k]
         viscosity_ratio = viscosity_ratios[k]
         disturbance = disturbances[k]
+        if not math.isnan(motor_angles[k]):
+            motor_angle = motor_angles[k]
         pump_command = raw_command
         # slot pump_command
         pump_play = 0.0
