@@ -15,8 +15,8 @@ from typing import NamedTuple
 from hst_drive.errors import InputError
 from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
 from hst_drive.measure.run import Run
+from hst_drive.measure.start import first_state
 from hst_drive.model import Drive
-from hst_drive.model.parameters import INDEX
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
@@ -235,51 +235,10 @@ class Replay:
         return slow + self._smoother(rest - slow)
 
     def start(self, drive: Drive) -> np.ndarray:
-        """
-        Return the state at the first sample, as far as the signals tell it.
-
-        What they do not tell is taken as settled: the speed that the first command gives, the
-        pressure that the load needs.
-        """
+        """Return the state at the first sample, as far as the signals tell it."""
         first = {name: float(filled(self.run[name])[0]) for name in self.signals}
-        commands = {name: self.inputs[name][0] for name in INPUTS}
-        state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
-        motor, pump = drive.rig.motor, drive.rig.pump
-        for _ in range(3):
-            leak = motor.leakage(state[1], abs(state[2]))
-            pump_leak = pump.leakage(state[1], commands['pump_command'])
-            if 'motor_inlet_flow' in first:
-                flow = first['motor_inlet_flow']
-            else:
-                flow = state[0] * pump.shaft_speed - pump_leak
-            if 'motor_speed' not in first:
-                state[2] = max(flow - leak, 0.0) / motor.displacement
-            pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
-            if pressure is None:
-                pressure = self._first_torque(drive, first, state[2]) / (
-                    motor.displacement * motor.mechanical_efficiency(state[1], abs(state[2])))
-            state[1] = pressure
-        if 'pump_displacement' in first:
-            state[0] = first['pump_displacement']
-        elif 'motor_speed' in first or 'motor_inlet_flow' in first:
-            state[0] = 0.0
-            if abs(state[2]) > 0.2:
-                shown = drive.outputs(state, **commands,
-                                      oil_temperature=self.inputs['oil_temperature'][0])
-                flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
-                        + shown['case_drain_flow'] - shown['pump_flow'])
-                state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
-        state[5] = state[7] = state[2]
-        # A plate with play rests where the flow says, not where the command says.
-        state[8] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
-        return state
-
-    def _first_torque(self, drive: Drive, first: dict[str, float], speed: float) -> float:
-        if self.torque:
-            return max(first[self.torque], 0.0)
-        model = drive.load_torque(*(np.full(2, value) for value in (
-            0.0, self.inputs['pprv_command'][0], speed, self.inputs['oil_temperature'][0])))
-        return max(float(model[0]), 0.0)
+        inputs = {name: float(values[0]) for name, values in self.inputs.items()}
+        return first_state(drive, first, inputs, self.torque)
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None) -> Prediction:
         """

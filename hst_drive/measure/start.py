@@ -1,0 +1,72 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Where a replay starts: the state of the drive at the first sample of a recording."""
+from __future__ import annotations
+
+from typing import Mapping
+
+from hst_drive.model import Drive
+from hst_drive.model.parameters import INDEX
+import numpy as np
+
+
+def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
+                torque: str | None) -> np.ndarray:
+    """
+    Return the state at the first sample, as far as the signals tell it.
+
+    What they do not tell is taken as settled: the speed that the first command gives, the
+    pressure that the load needs.
+
+    Parameters
+    ----------
+    drive : Drive
+        The model.
+    first : mapping of str to float
+        First sample of the signals that there are, SI.
+    inputs : mapping of str to float
+        First 'pump_command', 'pprv_command' (V) and 'oil_temperature' (K).
+    torque : str, optional
+        Name of the torque signal, if there is one.
+
+    """
+    commands = {name: inputs[name] for name in ('pump_command', 'pprv_command')}
+    state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
+    motor, pump = drive.rig.motor, drive.rig.pump
+    for _ in range(3):
+        leak = motor.leakage(state[1], abs(state[2]))
+        pump_leak = pump.leakage(state[1], commands['pump_command'])
+        if 'motor_inlet_flow' in first:
+            flow = first['motor_inlet_flow']
+        else:
+            flow = state[0] * pump.shaft_speed - pump_leak
+        if 'motor_speed' not in first:
+            state[2] = max(flow - leak, 0.0) / motor.displacement
+        pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
+        if pressure is None:
+            pressure = _first_torque(drive, first, inputs, torque, state[2]) / (
+                motor.displacement * motor.mechanical_efficiency(state[1], abs(state[2])))
+        state[1] = pressure
+    if 'pump_displacement' in first:
+        state[0] = first['pump_displacement']
+    elif 'motor_speed' in first or 'motor_inlet_flow' in first:
+        state[0] = 0.0
+        if abs(state[2]) > 0.2:
+            shown = drive.outputs(state, **commands,
+                                  oil_temperature=inputs['oil_temperature'])
+            flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
+                    + shown['case_drain_flow'] - shown['pump_flow'])
+            state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
+    state[5] = state[7] = state[2]
+    # A plate with play rests where the flow says, not where the command says.
+    state[8] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
+    return state
+
+
+def _first_torque(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
+                  torque: str | None, speed: float) -> float:
+    if torque:
+        return max(first[torque], 0.0)
+    model = drive.load_torque(*(np.full(2, value) for value in (
+        0.0, inputs['pprv_command'], speed, inputs['oil_temperature'])))
+    return max(float(model[0]), 0.0)
