@@ -60,6 +60,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
                          'with --rig and this file to see what else is missing')
     expected = diagnosis.get('rig_digest')
     if expected != digest(rig):
+        if diagnosis.get('rig') == rig_source:
+            raise InputError(f'{rig_source}: has changed since it was diagnosed; diagnose again')
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '
                          f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
                          'with this one')
