@@ -135,8 +135,23 @@ class Campaign:
         return not next(entry for entry in parameters if entry.name == key).fixed
 
     def scatter(self, name: str) -> float:
-        """Return how far the squared noise ratio of a perfect model may be off by chance."""
-        return 0.0
+        """
+        Return how far the squared noise ratio of a perfect model may be off by chance.
+
+        Two standard errors. Only the load's roughness counts: a minute of it holds few
+        independent samples, both where it is judged and where its size was estimated.
+        """
+        total, variance = 0.0, 0.0
+        for column in self.columns:
+            replay = self.replays[column.log]
+            if column.signal == name:
+                span = len(column.judge) * replay.run.sample_time
+                total += span
+                if name == replay.torque:
+                    share = (replay.roughness.std * column.scale)**2
+                    # Mean square of an Ornstein-Uhlenbeck process over a span.
+                    variance += span * 2 * share**2 * 2 * replay.roughness.time_constant
+        return 2.0 * float(np.sqrt(variance)) / total if total else 0.0
 
     @staticmethod
     def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:

@@ -26,8 +26,9 @@ EFFECT = Effect(
     parameters=(
         Parameter('gradient', 'm^3/(s.Pa)', 0.0, 1e-10, 3e-12,
                   'relief flow per pressure above the cracking pressure'),
-        Parameter('cracking_ratio', '1', 0.02, 0.98, 0.3,
-                  'cracking pressure over set pressure', neutral=0.3),
+        Parameter('cracking_ratio', '1', 0.15, 0.98, 0.3,
+                  'cracking pressure over set pressure; a valve that leaks from still less on '
+                  'acts like a worn pump', neutral=0.3),
     ),
     telltale='Flow is missing above a certain pressure only; below it the drive is as it should '
              'be.',

@@ -127,7 +127,7 @@ def test_leakage_takes_speed():
     ({'pump_leakage': {'conductance': 1e-12}}, 'pump_flow', {}, -90e5 * 1e-12),
     ({'elastic_leakage': {'stretch': 1 / 90e5}}, 'case_drain_flow', {},
      7.0 * RIG.motor.leakage(90e5, 10.0)),             # twice the gap: eight times the flow
-    ({'compressibility_flow': {'volume_ratio': 1.0}}, 'pump_flow', {},
+    ({'compressibility_flow': {'volume_ratio': 1.0, 'dead_share': 0.0}}, 'pump_flow', {},
      -RIG.pump.displacement(5.5) * RIG.pump.shaft_speed * 90e5 / RIG.line.bulk_modulus),
     ({'prv_cracking': {'gradient': 1e-11, 'cracking_ratio': 0.5}}, 'pump_flow', {}, 0.0),
     ({'prv_cracking': {'gradient': 1e-11, 'cracking_ratio': 0.5}}, 'pump_flow',
