@@ -28,6 +28,8 @@ BLOCK = 2.0             # s; errors further apart than this count as independent
 EVENTS = 0.07           # share of the blocks that single events may spoil
 FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
+_SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
+_SLOW_SCATTER = 1.0     # of the squared noise ratio
 _START = 3.0            # s within which a drive may still break away from standstill
 _CAVITATING = 0.3e5     # Pa gauge
 _AFTER = 1.0            # s that the ringing after either takes
@@ -151,7 +153,10 @@ class Campaign:
                     share = (replay.roughness.std * column.scale)**2
                     # Mean square of an Ornstein-Uhlenbeck process over a span.
                     variance += span * 2 * share**2 * 2 * replay.roughness.time_constant
-        return 2.0 * float(np.sqrt(variance)) / total if total else 0.0
+        chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
+        # What a slow record does not show of commands and load shakes the replay, too.
+        slow = any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
+        return chance + (_SLOW_SCATTER if slow else 0.0)
 
     @staticmethod
     def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:

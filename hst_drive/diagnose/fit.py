@@ -17,7 +17,9 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 SIGMAS = 3.0
-_NUDGE = 0.5            # of a tolerance: step of the differences for the unit's factors
+# Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
+# drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
+_NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 
 
 class Fit(NamedTuple):
@@ -114,7 +116,7 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     base = campaign.training(errors)
     columns = np.empty((len(base), len(which)))
     for place, k in enumerate(which):
-        step = _NUDGE if k < unknowns.factors else 0.1 * max(abs(vector[k]), 0.3)
+        step = _NUDGE if k < unknowns.factors else _NUDGE_EFFECT * max(abs(vector[k]), 0.3)
         if vector[k] + step > unknowns.high[k]:
             step = -step
         moved = vector.copy()

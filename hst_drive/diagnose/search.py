@@ -15,6 +15,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import (
     contribution, Gain, gain, IN_SAMPLE, unexplained, unharmed, worthwhile)
+from hst_drive.effects import catalogue
 import numpy as np
 
 MOST_EFFECTS = 3
@@ -77,7 +78,11 @@ class Search:
             found = fit(self.campaign, model, known=self.factors)
             if best is None or found.cost < best.cost:
                 best = found
-        return Candidate(names, best, self.score(best))
+        score = self.score(best)
+        if any(_at_its_end(best.model, name) for name in names):
+            # A shape at the end of its range stands for another effect.
+            score = max(score, self.baseline.score)
+        return Candidate(names, best, score)
 
     def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
         """Start at the typical size and a third of it, on the better side of a signed size."""
@@ -208,5 +213,12 @@ class Search:
 
 
 def _lowest(name: str) -> float:
-    from hst_drive.effects import catalogue
     return catalogue()[name].parameters[0].low
+
+
+def _at_its_end(model: Model, name: str) -> bool:
+    """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
+    shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
+              if not entry.fixed and entry.neutral not in (entry.low, entry.high)]
+    return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
+               for entry in shapes for value in [model.effects[name][entry.name]])
