@@ -23,7 +23,8 @@ NEEDS = {
                      'bag/test_csv_log.py', 'bag/test_recovery.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
-    'effects/test_battery.py': ('pint',), 'truth': ('numba',)}
+    'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
+    'truth': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
 collect_ignore = list(LACKING)

@@ -68,8 +68,8 @@ def test_expected_sigma_grows_with_blocks_and_size():
 
 @pytest.mark.needs_numba
 def test_a_plain_log_separates_less_than_another_test():
-    """Friction and back pressure look alike in drilling, not when the load and speed vary."""
-    models = matched(RIG, by_name(('bearing_friction', 'back_pressure'), CHANNELS))
+    """Drags look alike at the one speed of drilling, not when the speed varies."""
+    models = matched(RIG, by_name(('viscous_drag', 'hydrodynamic_drag'), CHANNELS))
     work = Designer(RIG, models, CHANNELS)
     best = work.rate(work.pure(40.0))[0]
     plain = work.rate([designing.plain_drilling(40.0)])[0]
