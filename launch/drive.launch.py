@@ -7,6 +7,10 @@ All nodes of the drive with a scenario.
 
 It ends when the plant has reached the duration, or when any node ends; the recorder is the last
 to go. Simulated time in lockstep unless ``lockstep:=false``.
+
+Unlike ``hst-drive run`` this starts from rest and takes gains, rig and hidden effects from the
+nodes' parameters, not from the scenario; a scenario of commands by hand needs
+``mode:=open_loop``.
 """
 from hst_drive.nodes.wiring import NODES
 from hst_drive.resources import share
