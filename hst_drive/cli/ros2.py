@@ -13,6 +13,7 @@ class HstCommand(CommandExtension):
     def add_arguments(self, parser, cli_name, *, argv=None):
         """Leave all that follows to the verb."""
         parser.usage = f'{cli_name} VERB [ARGUMENTS]'
+        parser.formatter_class = argparse.RawDescriptionHelpFormatter
         parser.epilog = f'{overview()}\n\nEach verb explains itself: {cli_name} VERB --help'
         parser.add_argument('arguments', nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
 
