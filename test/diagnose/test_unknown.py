@@ -27,6 +27,7 @@ HIDDEN = {
 }
 
 
+@pytest.mark.needs_numba
 @pytest.mark.parametrize('enters', HIDDEN)
 def test_place_dependence_and_formula_come_out(enters):
     """The place is right, it depends on what it depends on, and the error falls."""
@@ -44,6 +45,7 @@ def test_place_dependence_and_formula_come_out(enters):
     assert found.formula.after[worst] < 0.5 * found.formula.before[worst]
 
 
+@pytest.mark.needs_numba
 def test_nothing_is_described_where_nothing_is_left():
     campaign = Campaign(default_rig(), [record(3, duration=30.0)])
     assert describe(campaign, fit(campaign, Model(), iterations=5)) is None
