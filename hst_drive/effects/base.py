@@ -38,6 +38,8 @@ SLOTS: dict[str, Slot] = {
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
     'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
+    'shaft_load_share': Slot('torque', '1', 'added to the share of the inertia (0.35) that lies '
+                             'behind a flexible shaft'),
     'load_torque': Slot('load', 'N.m', 'load torque beyond what the loading unit explains'),
     'pressure_reading': Slot('sensor', 'Pa', 'added to the pressure reading'),
     'flow_reading': Slot('sensor', 'm^3/s', 'added to the flow reading'),

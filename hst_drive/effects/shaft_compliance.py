@@ -7,6 +7,13 @@ The kernel splits the inertia into a part at the hydromotor and one behind the s
 """
 from hst_drive.effects.base import Effect, Parameter
 
+USUAL_SHARE = 0.35      # of the inertia lies behind the shaft, unless an effect says otherwise
+
+
+def load_share(compliance, load_side_share):
+    """Return by how much more than usual of the inertia lies behind the shaft; rigid: nothing."""
+    return load_side_share - USUAL_SHARE if compliance > 0.0 else 0.0
+
 
 def twist(compliance):
     """Return the twist per torque, rad/(N.m)."""
@@ -18,10 +25,13 @@ EFFECT = Effect(
     title='a flexible shaft or drill string between hydromotor and load',
     slot='shaft_compliance',
     function=twist,
-    equation='T_shaft = twist/compliance + damping',
+    also=(('shaft_load_share', load_share),),
+    equation='T_shaft = twist/compliance + damping, load_side_share of the inertia behind it',
     parameters=(
         Parameter('compliance', 'rad/(N.m)', 0.0, 0.1, 0.0031,
                   'twist of the shaft per torque'),
+        Parameter('load_side_share', '1', 0.25, 0.8, USUAL_SHARE,
+                  'part of the inertia that lies behind the shaft', neutral=USUAL_SHARE),
     ),
     telltale='After a change of load, torque and speed ring at a frequency that the oil column '
              'does not explain.',

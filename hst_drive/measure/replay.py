@@ -150,10 +150,11 @@ class Replay:
             return values[places.astype(int)]
         return np.interp(places, np.arange(n), values)
 
-    def _load_model(self, drive: Drive) -> np.ndarray:
+    def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         command = self._finer(self.inputs['pprv_command'], command=True)
         time, speed, temperature = (self._finer(values) for values in (
-            self.run.time, self._speed, self.inputs['oil_temperature']))
+            self.run.time, self._speed if speed is None else speed,
+            self.inputs['oil_temperature']))
         return drive.load_torque(time, command, speed, temperature)[::self._parts]
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray) -> dict[str, np.ndarray]:
@@ -235,7 +236,19 @@ class Replay:
             return np.zeros(len(self.run))
         rest = self._unexplained(drive)
         slow = self._slow(rest)
+        if drive.has_flexible_shaft:
+            # The sensor feels the inertia behind the shaft, which is no load.
+            rest = rest - self._behind_shaft(drive, self._simulate(drive, slow), slow)
+            slow = self._slow(rest)
         return slow + self._smoother(rest - slow)
+
+    def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
+                      added: np.ndarray) -> np.ndarray:
+        """Return the torque (N.m) that moves the inertia behind a flexible shaft."""
+        load = self._load_model(drive, signals['motor_speed']) + added
+        inertial = np.where(self._turning, signals[self.torque] - load, 0.0)
+        # A model that left all bounds must lose, not stop the search.
+        return np.nan_to_num(np.clip(inertial, -1e6, 1e6))
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
@@ -260,8 +273,11 @@ class Replay:
         signals = self._simulate(drive, total)
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
-            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING,
-                                            self._load_model(drive), signals[self.torque])
+            load = self._load_model(drive)
+            if drive.has_flexible_shaft:
+                load = load + self._behind_shaft(drive, signals, total)
+            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
+                                            signals[self.torque])
         return Prediction({name: self._as_read(name, signals[name], drive)
                            for name in self.signals}, disturbance)
 

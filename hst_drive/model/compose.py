@@ -24,6 +24,7 @@ from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
 from hst_drive.effects.base import arguments
+from hst_drive.effects.shaft_compliance import USUAL_SHARE
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -34,7 +35,8 @@ CONSTANTS = {
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance
-    'SHAFT_LOAD_SIDE_SHARE': 0.35,    # of the inertia lies behind a flexible shaft
+    'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
+    'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
     'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
     'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }

@@ -92,6 +92,12 @@ class Drive:
         self.switches[self.kernel.flags[name]] = 1
         self.effects[name] = chosen
 
+    @property
+    def has_flexible_shaft(self) -> bool:
+        """Whether a part of the inertia lies behind a shaft that twists."""
+        known = catalogue(everything=True)
+        return any(known[name].slot == 'shaft_compliance' for name in self.effects)
+
     def scale(self, factors: Mapping[str, float]) -> None:
         """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""
         for key, factor in factors.items():

@@ -200,9 +200,10 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
     load_acceleration = 0.0
     twist_rate = 0.0
     if on[ON_SHAFT]:
-        share = SHAFT_LOAD_SIDE_SHARE
-        acceleration = (motor_torque - shaft_torque) / (inertia * (1.0 - share))
-        load_acceleration = (shaft_torque - load_torque) / (inertia * share)
+        shaft_load_share = SHAFT_LOAD_SIDE_SHARE
+        # slot shaft_load_share
+        acceleration = (motor_torque - shaft_torque) / (inertia * (1.0 - shaft_load_share))
+        load_acceleration = (shaft_torque - load_torque) / (inertia * shaft_load_share)
         twist_rate = motor_speed - load_speed
     else:
         acceleration = (motor_torque - load_torque) / inertia
@@ -314,7 +315,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 step = 0.1 * max_step
                 if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED:
                     # So much less inertia meets the same friction at standstill.
-                    step *= SHAFT_LOAD_SIDE_SHARE
+                    step *= SHAFT_STIFF_SHARE
             step = remaining / math.ceil(remaining / step - 1e-9)
             h = 0.5 * step
             d2 = d1 + slope * h
