@@ -134,7 +134,9 @@ class Search:
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
-        return unexplained(self.campaign, candidate.fit, self.done(candidate))
+        fitted = contribution(self.campaign, self.base, candidate.fit, False)
+        return {**unexplained(self.campaign, candidate.fit, fitted, False),
+                **unexplained(self.campaign, candidate.fit, self.done(candidate))}
 
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own."""
