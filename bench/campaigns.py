@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 from test.truth import Campaign, EFFECTS, make_campaign, OUTSIDE
+from test.truth.catalogue import TEMPERATURE
 from test.truth.sensors import STANDARD
 from typing import NamedTuple
 
@@ -46,7 +47,10 @@ def tasks(part: str, rounds: int = ROUNDS) -> list[Task]:
                           'pair': draw.sample(names, 2),
                           'outside': [outside[number % len(outside)]]}[kind]
                 sizes = {name: round(draw.uniform(0.5, 1.5), 2) for name in chosen}
-                found.append(Task(kind, seed, sizes, _options(draw, seed)))
+                options = _options(draw, seed)
+                if any(name in TEMPERATURE for name in chosen):
+                    options.pop('temperature', None)
+                found.append(Task(kind, seed, sizes, options))
     return found
 
 

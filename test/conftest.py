@@ -24,7 +24,7 @@ NEEDS = {
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
-    'truth': ('numba',)}
+    'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
 collect_ignore = list(LACKING)

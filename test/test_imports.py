@@ -3,6 +3,8 @@
 """The architecture, read from the import statements: who may know whom."""
 import ast
 from pathlib import Path
+import subprocess
+import sys
 
 import hst_drive
 import pytest
@@ -83,3 +85,22 @@ def test_library_does_not_print(path):
     calls = [node for node in ast.walk(ast.parse(path.read_text(encoding='utf-8')))
              if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
     assert not [call.lineno for call in calls if call.func.id == 'print']
+
+
+def test_diagnosis_cannot_reach_the_truth():
+    """With all of it imported, the generator that its benchmark uses was never asked for."""
+    code = (
+        'import importlib, pkgutil, sys\n'
+        'class Closed:\n'
+        '    def find_spec(self, name, path=None, target=None):\n'
+        '        if name.split(".")[0] in ("test", "bench"):\n'
+        '            raise AssertionError(name)\n'
+        'sys.meta_path.insert(0, Closed())\n'
+        'import hst_drive.diagnose as package\n'
+        'for entry in pkgutil.walk_packages(package.__path__, package.__name__ + "."):\n'
+        '    importlib.import_module(entry.name)\n'
+        'print(len([name for name in sys.modules if name.startswith("hst_drive.diagnose.")]))\n')
+    done = subprocess.run([sys.executable, '-c', code], cwd=PACKAGE.parent, text=True,
+                          capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 10

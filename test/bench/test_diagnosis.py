@@ -1,0 +1,63 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A small part of the benchmark of the diagnosis, and its arithmetic."""
+from bench.campaigns import SEEDS, Task, tasks
+from bench.diagnosis import judge, told
+from bench.score import named, report, wilson
+import pytest
+
+pytestmark = pytest.mark.needs_numba
+SEED = SEEDS['dev'] + 90_000
+
+
+def row(kind: str, number: int, **effects: float) -> dict:
+    """Diagnose one campaign on a unit of its own."""
+    options = {'on_datasheet': False, 'rate_hz': 100.0}
+    return judge(Task(kind, SEED + number, effects, options))
+
+
+@pytest.fixture(scope='module')
+def rows() -> list[dict]:
+    """Return what came of six campaigns."""
+    return [row('none', 1), row('single', 2, motor_leakage=1.0),
+            row('single', 3, line_loss=0.8), row('single', 4, pump_lag=1.0),
+            row('pair', 5, entrained_air=1.0, torque_sensor_scale=1.0),
+            row('outside', 6, pprv_stiction=1.0)]
+
+
+def test_nothing_hidden_nothing_named(rows):
+    assert rows[0]['verdict'] == 'none' and rows[0]['found'] == []
+
+
+@pytest.mark.parametrize('number', [1, 2, 3])
+def test_a_clear_effect_is_named(rows, number):
+    hidden, = rows[number]['effects']
+    seen = rows[number]['seen'][hidden]
+    assert seen['moves'] > 3 and 0.99 * seen['moves'] >= seen['beyond'] > 1
+    assert rows[number]['found'][:1] == [hidden]
+
+
+def test_a_pair_is_named(rows):
+    assert set(rows[4]['effects']) <= named(rows[4])
+
+
+def test_what_is_in_no_catalogue_is_unknown(rows):
+    assert (rows[5]['verdict'], rows[5]['place']) == ('unknown', 'load')
+
+
+def test_the_table_counts_them(rows):
+    text = report(rows)
+    assert 'single: first name right                    100.0 % (43.9 to 100.0)  3 ' in text
+    assert 'none: false alarm                           0.0 % (0.0 to 79.3)' in text
+    assert all(told(entry).startswith('ok') for entry in rows)
+
+
+def test_interval_of_a_share():
+    """Example of E. B. Wilson's interval: 8 of 10 (R, binom::binom.confint)."""
+    assert wilson(8, 10) == '80.0 % (49.0 to 94.3)'
+
+
+def test_development_and_score_share_no_seed():
+    dev, score = ({task.seed for task in tasks(part)} for part in ('dev', 'score'))
+    assert len(dev) == len(score) >= 200 and not dev & score
+    assert tasks('dev') == tasks('dev')
