@@ -46,7 +46,8 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     """
     ratios = campaign.ratios(model.errors, True)
     place = locate(campaign, model)
-    if place is None or all(value <= CLEAN_RATIO for value in ratios.values()):
+    if place is None or all(value**2 <= CLEAN_RATIO**2 + campaign.scatter(name)
+                            for name, value in ratios.items()):
         return None
     data = samples(campaign, model, place, *sizes(campaign, model, place))
     depends = depends_on(data)
