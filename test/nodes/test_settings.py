@@ -16,7 +16,8 @@ def test_units_and_bare_ids():
 
 
 def test_every_effect_survives_the_way_through_text():
-    effects = {name: {parameter.name: parameter.typical / 3 for parameter in effect.parameters}
+    effects = {name: {parameter.name: max(parameter.typical / 3, parameter.low)
+                      for parameter in effect.parameters}
                for name, effect in catalogue().items()}
     assert parse_effects(effect_texts(effects)) == effects
 
