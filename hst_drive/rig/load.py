@@ -4,19 +4,19 @@
 from __future__ import annotations
 
 from difflib import get_close_matches
-import math
 from pathlib import Path
 from reprlib import repr as short
 
 from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
+from hst_drive.rig.adopted import read_effects
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
     Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
 from hst_drive.rig.yaml_file import read_yaml
-from hst_drive.units import difference_to_si, to_si, UnitError, UNITS
+from hst_drive.units import difference_to_si, to_si, UNITS
 import numpy as np
 
 _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
@@ -76,7 +76,7 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         sensors=_sensors(content.get('sensors', {}), source),
         tolerances=_tolerances(content.get('tolerances_1_sigma_relative', {}), source),
         characterised_at=to_si(float(temperature), 'degC'),
-        effects=_values(content.get('effects', {}), source, 'effects'),
+        effects=read_effects(content.get('effects', {}), source),
         calibration=_factors(content.get('calibration', {}), source),
         provenance=provenance, source=source, digest=digest(content))
 
@@ -253,31 +253,3 @@ def _factors(found, source: str) -> dict[str, float]:
     _known(found, TOLERANCES, source, 'calibration')
     return {key: _number(value, 0.1, 10, source, f'calibration.{key}', '1')
             for key, value in found.items()}
-
-
-def _values(found, source: str, where: str) -> dict[str, dict[str, float]]:
-    """Read adopted effects, ``id: {parameter: value}``, numbers in SI or texts with a unit."""
-    if not isinstance(found, dict):
-        raise InputError(f"{source}: '{where}' is {_shown(found)}, expected effects by id")
-    effects = {}
-    for name, content in found.items():
-        if not isinstance(content, dict):
-            raise InputError(f"{source}: '{where}.{name}' is {_shown(content)}, expected "
-                             'parameters')
-        effects[str(name)] = {str(key): _quantity(value, source, f'{where}.{name}.{key}')
-                              for key, value in content.items()}
-    return effects
-
-
-def _quantity(value, source: str, key: str) -> float:
-    if isinstance(value, str):
-        number, _, unit = value.strip().partition(' ')
-        try:
-            found = float(to_si(float(number), unit.strip()))
-            if math.isfinite(found):
-                return found
-            raise ValueError(number)
-        except (ValueError, UnitError):
-            raise InputError(f"{source}: '{key}' is {short(value)}, expected a number with its "
-                             "unit, as '12 N.m'") from None
-    return _number(value, -1e30, 1e30, source, key, 'SI')

@@ -119,9 +119,21 @@ def test_tables_hold_their_ends_and_are_linear_between():
     ('tolerances_1_sigma_relative', {'motor.displacement': 3}, 'is 3, outside'),
     ('calibration', {'motor.inertia': 0}, "'calibration.motor.inertia' is 0, outside"),
     ('effects', [1], "'effects' is [1], expected effects by id"),
-    ('effects', {'a': 1}, "'effects.a' is 1, expected parameters"),
-    ('effects', {'a': {'b': '12 quux'}}, "'effects.a.b' is '12 quux', expected a number with its"),
-    ('effects', {'a': {'b': 'nan V'}}, "'effects.a.b' is 'nan V', expected"),
+    ('effects', {'motor_leakage': 1}, "'effects.motor_leakage' is 1, expected parameters"),
+    ('effects', {'motor_leakge': {}}, "'effects.motor_leakge'; did you mean 'motor_leakage'"),
+    ('effects', {'bearing_friction': {'columb': 5}}, "umb'; did you mean 'coulomb'"),
+    ('effects', {'bearing_friction': {'load_share': 0.1}},
+     "key 'effects.bearing_friction.coulomb' is missing; add the effect's size, 0 to 500 N.m"),
+    ('effects', {'bearing_friction': {'coulomb': '12 quux'}}, "with a unit of [N.m], as '12 N.m'"),
+    ('effects', {'bearing_friction': {'coulomb': '12 bar'}}, "with a unit of [N.m], as '12 N.m'"),
+    ('effects', {'bearing_friction': {'coulomb': 'nan N.m'}}, "is 'nan N.m', expected"),
+    ('effects', {'bearing_friction': {'coulomb': math.nan}}, 'is nan N.m, outside the plausible'),
+    ('effects', {'bearing_friction': {'coulomb': 10**400}}, 'outside the plausible range'),
+    ('effects', {'bearing_friction': {'coulomb': -3}},
+     "'effects.bearing_friction.coulomb' is -3 N.m, outside the plausible range 0 to 500 N.m"),
+    ('effects', {'bearing_friction': {'coulomb': '13 kN.m'}}, 'outside the plausible range'),
+    ('effects', {'bearing_friction': {'coulomb': None}}, 'is empty, expected a number in N.m'),
+    ('effects', {'bearing_friction': {'coulomb': True}}, 'is True, expected a number in N.m'),
     ('characterised_at_oil_temperature_degC', 'warm', "is 'warm', expected a number in degC"),
     ('provenance', 5, "'provenance' is 5, expected a mapping"),
 ])
@@ -186,6 +198,15 @@ def test_a_part_of_a_rig_loads_and_says_what_it_lacks():
                                  'drive needs it; add it to the rig file')
     with pytest.raises(InputError, match="section 'pump' is missing"):
         Drive(rig)
+
+
+def test_parameters_that_are_left_out_are_neutral():
+    """A file from before an effect got a parameter keeps the model that was fitted then."""
+    rig = parse_rig(changed('effects', {'bearing_friction': {'coulomb': 13},
+                                        'stribeck_friction': {'torque': '14 N.m'}}))
+    assert rig.effects == {'bearing_friction': {'coulomb': 13.0, 'load_share': 0.0},
+                           'stribeck_friction': {'torque': 14.0, 'speed': 4.0, 'shape': 2.0}}
+    assert Drive(rig).effects == rig.effects
 
 
 def test_adopted_effects_and_calibration_reach_the_model():

@@ -1,0 +1,97 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The effects that a rig file has adopted: read as strictly as the rest of it."""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+import math
+from reprlib import repr as short
+
+from hst_drive.effects import catalogue, left_out, Parameter
+from hst_drive.errors import InputError
+from hst_drive.units import si_unit, to_si, UnitError
+
+
+def read_effects(found: object, source: str) -> dict[str, dict[str, float]]:
+    """
+    Read ``id: {parameter: value}``, values in SI or texts with a unit.
+
+    A parameter that is left out is neutral: a file that was adopted before an effect got that
+    parameter keeps the model that was fitted. The first parameter is the effect's size and must
+    be there.
+
+    Raises
+    ------
+    InputError
+        If effect or parameter is not known, the size is missing, or a value is no finite number
+        within the parameter's bounds.
+
+    """
+    if not isinstance(found, dict):
+        raise InputError(f"{source}: 'effects' is {_shown(found)}, expected effects by id")
+    return {str(name): _effect(str(name), content, source) for name, content in found.items()}
+
+
+def _effect(name: str, content: object, source: str) -> dict[str, float]:
+    effects = catalogue(everything=True)
+    where = f'effects.{name}'
+    if name not in effects:
+        reason = next((line for line in left_out() if f"'{name}'" in line), None)
+        raise InputError(f"{source}: unknown effect '{where}'; "
+                         f"{reason or _near(name, effects, 'see hst-drive effects')}")
+    if not isinstance(content, dict):
+        raise InputError(f"{source}: '{where}' is {_shown(content)}, expected parameters")
+    declared = {entry.name: entry for entry in effects[name].parameters}
+    for key in content:
+        if key not in declared:
+            known = f'known: {", ".join(declared)}'
+            raise InputError(f"{source}: unknown key '{where}.{key}'; "
+                             f'{_near(str(key), declared, known)}')
+    size = effects[name].parameters[0]
+    if size.name not in content:
+        raise InputError(f"{source}: key '{where}.{size.name}' is missing; add the effect's size, "
+                         f'{size.low:g} to {size.high:g} {size.unit}')
+    return {key: _number(content[key], entry, source, f'{where}.{key}') if key in content
+            else entry.neutral for key, entry in declared.items()}
+
+
+def _number(value: object, declared: Parameter, source: str, key: str) -> float:
+    unit = '' if declared.unit == '1' else f' {declared.unit}'
+    if isinstance(value, str):
+        value = _with_unit(value, declared.unit, source, key)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InputError(f"{source}: '{key}' is {_shown(value)}, expected a number"
+                         f"{unit and ' in'}{unit}")
+    # An integer may be too large for a float: compare first.
+    if value != declared.neutral and not declared.low <= value <= declared.high:
+        found = f'{value:g}' if isinstance(value, float) else short(value)
+        raise InputError(f"{source}: '{key}' is {found}{unit}, outside the plausible range "
+                         f'{declared.low:g} to {declared.high:g}{unit}; check the value and its '
+                         'unit')
+    return float(value)
+
+
+def _with_unit(text: str, expected: str, source: str, key: str) -> float:
+    """Read '12 N.m'; a bare number in quotes has no unit unless the parameter has none."""
+    number, _, unit = text.strip().partition(' ')
+    try:
+        value, unit = float(number), unit.strip() or '1'
+        if math.isfinite(value):
+            if unit == expected:    # also a unit of another package's effect
+                return value
+            if si_unit(unit) == expected:
+                return float(to_si(value, unit))
+    except (ValueError, UnitError):
+        pass
+    raise InputError(f"{source}: '{key}' is {short(text)}, expected a number with a unit of "
+                     f"[{expected}], as '12 {expected}'")
+
+
+def _near(word: str, known: Iterable[str], otherwise: str) -> str:
+    near = get_close_matches(word, list(known), n=1)
+    return f"did you mean '{near[0]}'?" if near else otherwise
+
+
+def _shown(value: object) -> str:
+    return 'empty' if value is None else short(value)
