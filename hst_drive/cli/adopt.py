@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='rig file to write')
     parser.add_argument('--formula', action='store_true',
                         help="where something stayed unknown: adopt the diagnosis' formula for it")
+    parser.add_argument('--force', action='store_true', help='replace RIG.yaml if it exists')
     add_rig_argument(parser)
 
 
@@ -35,17 +36,30 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.rig import default_rig_file, parse_rig
     from hst_drive.rig.yaml_file import read_yaml
 
-    diagnosis = read_json(args.diagnosis)
     rig_file = args.rig or str(default_rig_file())
+    _refuse_to_replace(args, rig_file)
+    diagnosis = read_json(args.diagnosis)
     rig = read_yaml(rig_file)
     adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula)
     parse_rig(adopted, args.output)
-    if Path(args.output).exists() and Path(args.output).samefile(rig_file):
-        raise InputError(f'{args.output}: is the rig that was diagnosed; choose another name, so '
-                         'that both can be compared')
     write_yaml(adopted, args.output)
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():
         listed = ', '.join(f'{key} = {value:.4g}' for key, value in values.items())
         tell(f'{args.output}: {name}: {listed}')
     return 0
+
+
+def _refuse_to_replace(args: argparse.Namespace, rig_file: str) -> None:
+    """Raise InputError if the output would take the place of a file that may be wanted."""
+    target = Path(args.output)
+    if not target.is_file():
+        return      # a new file, '-' or a pipe; what cannot be written is told when it is written
+    if Path(rig_file).exists() and target.samefile(rig_file):
+        raise InputError(f'{target}: is the rig that was diagnosed; choose another name, so '
+                         'that both can be compared')
+    if Path(args.diagnosis).exists() and target.samefile(args.diagnosis):
+        raise InputError(f'{target}: is the diagnosis itself; choose another name')
+    if not args.force:
+        raise InputError(f'{target}: exists already; choose another name, or replace it with '
+                         '--force')

@@ -90,16 +90,18 @@ def _values(entry: dict, source: str) -> dict[str, float]:
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
                          'diagnosis again') from None
-    known = [parameter.name for parameter in catalogue(everything=True)[name].parameters]
+    known = {parameter.name: parameter.neutral
+             for parameter in catalogue(everything=True)[name].parameters}
     for key in values:
         if key not in known:
             raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "
                              f'{", ".join(known)}')
     if name in FORMULAS:
         # Powers of 0 are what a formula has without being told.
-        values = {key: value for key, value in values.items()
-                  if value or key.startswith('coefficient')}
-    return values
+        return {key: value for key, value in values.items()
+                if value or key.startswith('coefficient')}
+    # What the diagnosis did not know of was not there when it was fitted.
+    return {**known, **values}
 
 
 def _formula_of(diagnosis: dict) -> dict | None:

@@ -142,6 +142,31 @@ def test_the_diagnosed_rig_is_not_overwritten(tmp_path, capsys):
     assert own.read_text() == RIG.read_text()
 
 
+def test_a_file_that_exists_is_replaced_only_with_force(written, tmp_path, capsys):
+    """Somebody's rig stays as it is; with --force it does not, the inputs still do."""
+    target = tmp_path / 'rig.yaml'
+    target.write_text('somebody: else\n')
+    said = refused(capsys, written, '-o', target)
+    assert str(target) in said and 'exists already' in said and '--force' in said
+    assert target.read_text() == 'somebody: else\n'
+    assert run(capsys, written, '-o', target, '--force')[0] == 0
+    assert load_rig(target).effects.keys() == FOUND.keys()
+    before = written.read_bytes()
+    assert 'is the diagnosis itself' in refused(capsys, written, '-o', written, '--force')
+    assert written.read_bytes() == before
+    link = tmp_path / 'link.yaml'
+    link.symlink_to(RIG)
+    assert 'is the rig that was diagnosed' in refused(capsys, written, '-o', link, '--force')
+
+
+def test_all_parameters_are_written(tmp_path):
+    """What a diagnosis from before did not know of is written as it was then: not there."""
+    older = diagnosis()
+    del older['effects'][0]['parameters']['load_share']
+    adopted = adopt(read_yaml(RIG), older, 'd.json', 'rig.yaml')
+    assert adopted['effects']['bearing_friction'] == {'coulomb': 13.0, 'load_share': 0.0}
+
+
 def without_effects(content):
     content.update(effects=[], verdict='none')
 
