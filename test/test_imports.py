@@ -20,7 +20,7 @@ MAY_IMPORT = {
     'errors': set(), 'units': set(), 'resources': {'errors'},
     'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
-    'measure': PURE, 'bag': BASE | {'measure'}, 'diagnose': ABOVE,
+    'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'diagnose': ABOVE,
     'nodes': PURE | {'bag'},
     'report': ABOVE, 'workbench': ABOVE | {'report'},
     'cli': ABOVE | {'nodes', 'report', 'workbench'}, '__main__': {'cli'},

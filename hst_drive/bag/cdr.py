@@ -43,6 +43,7 @@ class _Walk:
         self.at = _HEADER
         self.offsets: dict[str, tuple[int, str]] = {}
         self.fixed: list[tuple[int, int]] = [(0, _HEADER)]
+        self.found: dict[str, tuple[int, list[str]]] = {}   # arrays: length, names of elements
 
     def align(self, size: int) -> None:
         self.at += -(self.at - _HEADER) % size
@@ -64,9 +65,8 @@ class _Walk:
 
     def string(self) -> str:
         count = self.length()
-        start = self.at
         self.skip(count)
-        return self.data[start:start + count].rstrip(b'\0').decode('utf-8', 'replace')
+        return self.data[self.at - count:self.at].rstrip(b'\0').decode('utf-8', 'replace')
 
     def number(self, kind: str, path: str) -> None:
         letter = PRIMITIVES[kind]
@@ -83,8 +83,7 @@ class _Walk:
         self.align(size)
         if path in self.arrays:
             for index in range(count):
-                keys = [str(index)] + ([names[index]] if index < len(names) else [])
-                for key in keys:
+                for key in (str(index), *names[index:index + 1]):
                     if f'{path}[{key}]' in self.wanted:
                         self.offsets[f'{path}[{key}]'] = (self.at + index * size, letter)
         self.skip(count * size)
@@ -96,6 +95,8 @@ class _Walk:
         for member in self.types[kind]:
             path = prefix + member.name
             count = self.length() if member.count == -1 else member.count
+            if count is not None:
+                self.found[path] = (count, names)
             if member.type == 'wstring':
                 raise MalformedError('wstring')
             if member.type == 'string':
@@ -218,6 +219,10 @@ class Codec:
         walk = self._walk(data, paths)
         return ({path: (at, walk.order + letter) for path, (at, letter) in walk.offsets.items()},
                 walk.fixed)
+
+    def arrays(self, data: bytes) -> dict[str, tuple[int, list[str]]]:
+        """Return the length of each array of a message, and the names of its elements if any."""
+        return self._walk(data, ()).found
 
     def _walk(self, data: bytes, paths: Sequence[str]) -> _Walk:
         walk = _Walk(self.types, data, set(paths))

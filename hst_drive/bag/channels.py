@@ -38,8 +38,8 @@ from typing import Any, NamedTuple
 from hst_drive.bag.topics import ATMOSPHERE
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS
+from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import canonical, si_unit, to_si, UnitError
-import yaml
 
 _KEYS = ('from', 'unit', 'scale', 'offset', 'absolute')
 _TOP = ('channels', 'time', 'namespace')
@@ -91,14 +91,7 @@ def load_channel_map(path: str | os.PathLike[str]) -> ChannelMap:
         If the file is missing or anything in it is not understood; names file and key.
 
     """
-    try:
-        with open(path, encoding='utf-8') as file:
-            data = yaml.safe_load(file)
-    except OSError as error:
-        raise InputError(f'{path}: channel map cannot be read: {error.strerror}') from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f'{path}: channel map is not YAML: {error}') from None
-    return parse_channel_map(data, str(path))
+    return parse_channel_map(read_yaml(path), str(path))
 
 
 def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
+import re
 from typing import NamedTuple
 
 from hst_drive.bag.align import align, Signal
@@ -71,6 +72,9 @@ def read_bag(path: Path, channel_map: ChannelMap) -> Run:
             continue
         codec = Codec(stream.type, stream.definition)
         times, values = _read(stream, codec, [pick.path for pick in chosen], str(path))
+        for pick in chosen:
+            if pick.entry.source and np.isnan(values[pick.path]).all():
+                _refuse_beyond(pick, codec, stream, channel_map.source)
         stamped.append((stream, times))
         signals.append([(pick, values[pick.path]) for pick in chosen
                         if not _left_empty(pick, values[pick.path])])
@@ -142,6 +146,22 @@ def _mapped_pick(entry: Entry, streams: Sequence[Stream], source: str) -> tuple[
         raise InputError(f'{where}: {topic}.{path} is in [{unit}] by its definition, which is '
                          f'no {entry.channel}')
     return stream, Pick(entry, path, unit or '', absolute)
+
+
+def _refuse_beyond(pick: Pick, codec: Codec, stream: Stream, source: str) -> None:
+    """Raise InputError if a map asks for an element that the messages do not have."""
+    arrays = codec.arrays(stream.data[0])
+    for step in re.finditer(r'\[([^\[\]]+)\]', pick.path):
+        name, element = pick.path[:step.start()], step[1]
+        length, names = arrays.get(name, (0, []))
+        if element in names[:length] or element.isdecimal() and int(element) < length:
+            continue
+        there = f'elements 0 to {length - 1}' if length else 'no elements'
+        if names[:length]:
+            there += f' or {", ".join(names[:length])}'
+        raise InputError(f'{source}: channels.{pick.entry.channel}: {stream.topic} has no '
+                         f"'{name}[{element}]'; {name} of its messages has length {length}: "
+                         f'{there}')
 
 
 def _list(streams: Sequence[Stream]) -> str:

@@ -67,6 +67,10 @@ def test_a_foreign_bag_is_read_by_a_map(foreign):
     ('/rig/joints', 'add the field'),
     ('/rig/p2.data', 'needs its unit'),
     ('/rig/p1.fluid_pressure', 'which is no motor_speed'),
+    ('/rig/joints.velocity[2]', r"/rig/joints has no 'velocity\[2\]'; velocity of its messages "
+     'has length 2: elements 0 to 1 or fan, drill'),
+    ('/rig/joints.velocity[dril]', 'length 2: elements 0 to 1 or fan, drill'),
+    ({'from': '/rig/joints.position[0]', 'unit': 'rad/s'}, 'length 0: no elements'),
 ])
 def test_a_map_that_does_not_fit_the_bag(foreign, entry, said):
     with pytest.raises(InputError, match=said) as why:
@@ -128,9 +132,12 @@ def test_unreadable_maps(tmp_path):
     with pytest.raises(InputError, match='cannot be read'):
         load_channel_map(tmp_path / 'none.yaml')
     (tmp_path / 'bad.yaml').write_text('a: [')
-    with pytest.raises(InputError, match='not YAML') as why:
+    with pytest.raises(InputError, match='bad.yaml: line 1: .*; mend the YAML') as why:
         load_channel_map(tmp_path / 'bad.yaml')
     assert '\n' not in str(why.value)
+    (tmp_path / 'twice.yaml').write_text('channels:\n  pump_command: A[V]\n  pump_command: B[V]\n')
+    with pytest.raises(InputError, match="line 3: key 'pump_command' is written twice; keep one"):
+        load_channel_map(tmp_path / 'twice.yaml')
 
 
 def test_the_example_is_a_good_map():
