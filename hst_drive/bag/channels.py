@@ -109,17 +109,18 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
         if name not in CHANNELS:
             raise InputError(f'{source}: channels.{name}: no such channel'
                              f'{_near(str(name), CHANNELS)} Known: {", ".join(CHANNELS)}')
-        entries[name] = _entry(name, value, f'{source}: channels.{name}', CHANNELS[name].unit)
+        entries[name] = entry_of(name, value, f'{source}: channels.{name}', CHANNELS[name].unit)
     time = data.get('time')
     namespace = data.get('namespace')
     if namespace is not None and not (isinstance(namespace, str) and namespace.startswith('/')):
         raise InputError(f'{source}: namespace must be a name that begins with /, '
                          f'found {namespace!r}')
-    return ChannelMap(entries, None if time is None else _entry(
+    return ChannelMap(entries, None if time is None else entry_of(
         'time', time, f'{source}: time', 's'), namespace, source)
 
 
-def _entry(name: str, value: Any, where: str, si: str) -> Entry:
+def entry_of(name: str, value: Any, where: str, si: str) -> Entry:
+    """Return the entry that a value of a channel map means; ``si`` is the quantity's unit."""
     if isinstance(value, str):
         value = {'from': value}
     if not isinstance(value, dict) or not isinstance(value.get('from'), str) \

@@ -33,8 +33,8 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
         If it cannot be used; names file and row or column.
 
     """
-    lines, rows = _lines(Path(path))
-    separator = _separator(lines[0])
+    lines, rows = read_lines(Path(path))
+    separator = separator_of(lines[0])
     header = [cell.strip() for cell in next(csv.reader([lines[0]], delimiter=separator))]
     while header and not header[-1]:
         header.pop()
@@ -65,7 +65,7 @@ def write_csv(path: str | os.PathLike[str], run: Run) -> None:
         file.write(text.replace('nan', ''))
 
 
-def _lines(path: Path) -> tuple[list[str], list[int]]:
+def read_lines(path: Path) -> tuple[list[str], list[int]]:
     """Return the lines that count, and their numbers in the file."""
     try:
         data = path.read_bytes()
@@ -93,7 +93,8 @@ def _lines(path: Path) -> tuple[list[str], list[int]]:
     return lines, rows
 
 
-def _separator(header: str) -> str:
+def separator_of(header: str) -> str:
+    """Return the separator of a header line: comma, semicolon or tab."""
     outside = ''.join(header.split('"')[::2])
     return max((',', ';', '\t'), key=outside.count)
 

@@ -1,0 +1,187 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Tables of operating points: a CSV row per point, ``name[unit]`` in the header, no time.
+
+A channel map (``--channels MAP.yaml``) names foreign columns as for logs, and may give what the
+table leaves out as constants::
+
+    channels:
+      supply_pressure: {from: p1, unit: psi}
+    constants:
+      motor_displacement: 23 cc/rev
+
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+import csv
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+import math
+import os
+from pathlib import Path
+
+from hst_drive.bag.channels import check_unit, Entry, entry_of, split_header
+from hst_drive.bag.csv_log import read_lines, separator_of
+from hst_drive.errors import InputError
+from hst_drive.rig.yaml_file import read_yaml
+from hst_drive.units import si_unit, to_si, UnitError
+import numpy as np
+
+# Quantity -> unit that people write; pressures are gauge.
+QUANTITIES: dict[str, str] = {
+    'motor_displacement': 'cc/rev', 'oil_temperature': 'degC', 'load_torque': 'N.m',
+    'motor_speed': 'rpm', 'supply_pressure': 'bar', 'supply_flow': 'L/min',
+    'case_drain_flow': 'L/min', 'pump_speed': 'rpm', 'pump_displacement': 'cc/rev',
+    'motor_speed_reverse': 'rpm',
+}
+_MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
+
+
+@dataclass(frozen=True)
+class PointTable:
+    """
+    A table of operating points.
+
+    Attributes
+    ----------
+    source : str
+        File.
+    columns : dict of str to ndarray, shape (n,)
+        SI values by the names of ``QUANTITIES``; NaN where a cell is empty.
+    headers : dict of str to str
+        How the file calls the column, for messages.
+    lines : ndarray of int, shape (n,)
+        Line of the file that each row stands on.
+    constants : dict of str to float
+        What the channel map gives for all rows, SI.
+    notes : tuple of str
+        What the reader should know.
+
+    """
+
+    source: str
+    columns: dict[str, np.ndarray]
+    headers: dict[str, str]
+    lines: np.ndarray
+    constants: dict[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def read_points(path: str | os.PathLike[str],
+                channels: str | os.PathLike[str] | None = None) -> PointTable:
+    """
+    Read a table of operating points.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used; names file, row and column.
+
+    """
+    entries, constants, mapped = _map(channels) if channels else ({}, {}, '')
+    lines, rows = read_lines(Path(path))
+    separator = separator_of(lines[0])
+    header = [cell.strip() for cell in next(csv.reader([lines[0]], delimiter=separator))]
+    while header and not header[-1]:
+        header.pop()
+    picks, notes = _picks(header, entries, constants, str(path), mapped)
+    if len(lines) == 1:
+        raise InputError(f'{path}: has a header but no rows; expected one row per operating point')
+    comma = separator != ',' and any(',' in line for line in lines[1:])
+    values = np.full((len(lines) - 1, len(picks)), np.nan)
+    for index, cells in enumerate(csv.reader(lines[1:], delimiter=separator)):
+        while len(cells) > len(header) and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != len(header):
+            raise InputError(f'{path}: row {rows[index + 1]} has {len(cells)} cells, the header '
+                             f'{len(header)}; mend the row')
+        for place, (column, entry, unit) in enumerate(picks):
+            text = cells[column].strip()
+            if text.lower() in _MISSING:
+                continue
+            try:
+                number = float(text.replace(',', '.') if comma else text)
+            except ValueError:
+                raise InputError(f'{path}: row {rows[index + 1]}, column {header[column]!r}: '
+                                 f'expected a number, found {text[:40]!r}') from None
+            values[index, place] = entry.to_si(number, unit)
+    found = {entry.channel: values[:, place] for place, (_, entry, _) in enumerate(picks)}
+    return PointTable(str(path), found, {entry.channel: header[column]
+                                         for column, entry, _ in picks},
+                      np.array(rows[1:]), constants, tuple(notes))
+
+
+def _picks(header: list[str], entries: Mapping[str, Entry], constants: Mapping[str, float],
+           path: str, mapped: str) -> tuple[list[tuple[int, Entry, str]], list[str]]:
+    """Return column, entry and unit of each quantity, and notes on the columns left out."""
+    names = [split_header(cell)[0] for cell in header]
+    wanted = [*entries.values(), *(Entry(name, name) for name in dict.fromkeys(names)
+                                   if name in QUANTITIES and name not in entries)]
+    picks, notes = [], []
+    for entry in wanted:
+        places = [index for index, (cell, name) in enumerate(zip(header, names))
+                  if entry.source in (cell, name)]
+        if not places:
+            near = get_close_matches(entry.source, [*header, *names], n=1)
+            raise InputError(f'{mapped}: {entry.channel}: {path} has no column {entry.source!r}'
+                             + (f'; did you mean {near[0]!r}?' if near else ''))
+        if len(places) > 1:
+            raise InputError(f'{path}: column {entry.source!r} comes twice; keep one')
+        cell = header[places[0]]
+        unit = entry.unit or split_header(cell)[1]
+        if unit is None:
+            raise InputError(f'{path}: column {cell!r} has no unit; write it as '
+                             f'{entry.channel}[{QUANTITIES[entry.channel]}]')
+        picks.append((places[0], entry, check_unit(
+            unit, si_unit(QUANTITIES[entry.channel]), f'{path}: column {cell!r}')))
+    if not picks:
+        raise InputError(f'{path}: none of its columns is known: {", ".join(names)}; expected '
+                         f'{", ".join(f"{name}[{unit}]" for name, unit in QUANTITIES.items())}; '
+                         'name foreign ones in a channel map: --channels MAP.yaml')
+    used = {place for place, _, _ in picks}
+    for index, name in enumerate(names):
+        if index not in used:
+            near = get_close_matches(name, QUANTITIES, n=1, cutoff=0.75)
+            notes.append(f'column {name!r} is not known; left out'
+                         + (f' (did you mean {near[0]!r}?)' if near else ''))
+    both = [entry.channel for _, entry, _ in picks if entry.channel in constants]
+    if both:
+        raise InputError(f'{mapped}: constants.{both[0]}: {path} has a column for it; give one')
+    return picks, notes
+
+
+def _map(path: str | os.PathLike[str]) -> tuple[dict[str, Entry], dict[str, float], str]:
+    """Read the channel map of a table: entries, constants (SI) and the file's name."""
+    data = read_yaml(path)
+    for key in data:
+        if key not in ('channels', 'constants'):
+            raise InputError(f'{path}: unknown key {key!r}; expected channels or constants')
+    entries, constants = data.get('channels') or {}, data.get('constants') or {}
+    for section, content in (('channels', entries), ('constants', constants)):
+        if not isinstance(content, dict):
+            raise InputError(f'{path}: {section} is {content!r}, expected a mapping')
+        for name in content:
+            if name not in QUANTITIES:
+                near = get_close_matches(str(name), QUANTITIES, n=1)
+                raise InputError(f'{path}: {section}.{name}: no such quantity; '
+                                 + (f'did you mean {near[0]!r}?' if near else
+                                    f'known: {", ".join(QUANTITIES)}'))
+    found = {name: entry_of(name, value, f'{path}: channels.{name}', si_unit(QUANTITIES[name]))
+             for name, value in entries.items()}
+    return found, {name: _constant(value, f'{path}: constants.{name}', QUANTITIES[name])
+                   for name, value in constants.items()}, str(path)
+
+
+def _constant(value, where: str, unit: str) -> float:
+    number, _, given = str(value).strip().partition(' ')
+    try:
+        si = check_unit(given, si_unit(unit), where)
+        found = float(to_si(float(number), si))
+        if math.isfinite(found):
+            return found
+        raise ValueError(number)
+    except (ValueError, UnitError):
+        raise InputError(f"{where} is {value!r}, expected a number with its unit, as "
+                         f"'12 {unit}'") from None
