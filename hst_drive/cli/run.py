@@ -33,6 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_rig_argument(parser)
     parser.add_argument('--effect', metavar='ID.PARAMETER=VALUE', action='append', default=[],
                         help='hidden in the plant; SI, or with a unit: =5[L/min] (repeatable)')
+    parser.add_argument('--effects-from', metavar='S', type=float, default=0.0,
+                        help='the hidden effects act from this time of the run on')
     parser.add_argument('--seed', type=int, help="of the sensors' noise (default: scenario's)")
     parser.add_argument('--duration', metavar='S', type=float, help='end earlier or later')
     parser.add_argument('--log', metavar='FILE', help='drilling log whose torque is the load')
@@ -53,7 +55,8 @@ def run(args: argparse.Namespace) -> int:
 
     plan = make_plan(Options(
         args.scenario, args.output, args.realtime, args.speed, args.rig, args.log,
-        tuple(args.effect), args.seed, args.duration, args.rate, tuple(args.topic), args.truth))
+        effects=tuple(args.effect), effects_from=args.effects_from, seed=args.seed,
+        duration=args.duration, rate=args.rate, topics=tuple(args.topic), truth=args.truth))
     for note in plan.notes:
         say(f'note: {note}')
     say(f'{plan.title}: {plan.duration:g} s, recording to {plan.output}')

@@ -37,6 +37,8 @@ class Options:
         Rig file; drilling log in place of the scenario's.
     effects : tuple of str
         Hidden in the plant, as ``parse_effects`` reads them.
+    effects_from : float
+        Time of the run (s) from which on they act.
     seed : int, optional
         Of the sensors' noise.
     duration, rate : float
@@ -55,6 +57,7 @@ class Options:
     rig: str | None = None
     log: str | None = None
     effects: tuple[str, ...] = ()
+    effects_from: float = 0.0
     seed: int | None = None
     duration: float | None = None
     rate: float = 100.0
@@ -91,7 +94,7 @@ def make_plan(options: Options) -> Plan:
     for name, value, low, high in (
             ('--duration', duration, 0.1, 1e6), ('--rate', options.rate, 1.0, 1000.0),
             ('--speed', 1.0 if options.speed is None else options.speed, 1e-3, 1e4),
-            ('--seed', seed, 0, 2**31 - 1)):
+            ('--effects-from', options.effects_from, 0.0, 1e7), ('--seed', seed, 0, 2**31 - 1)):
         if not low <= value <= high:
             raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
     output = Path(options.output
@@ -106,14 +109,15 @@ def make_plan(options: Options) -> Plan:
     common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES),
               'lookahead': not options.realtime and not options.speed}
     extra = {'extra_topics': list(options.topics) or [''], 'truth': options.truth}
-    start = _start(rig, effects, scenario)
+    start = _start(rig, {} if options.effects_from else effects, scenario)
     law = rig.controller
     notes = {'scenario': options.scenario, 'seed': seed, 'rig': rig.name,
-             'effects': ' '.join(effect_texts(effects))}
+             'effects': ' '.join(effect_texts(effects)), 'effects_from': options.effects_from}
     parameters = {
         'plant': {**common, **extra, 'rig': rig_file, 'seed': seed, 'rate': float(options.rate),
                   'duration': float(duration), 'speed': float(options.speed or 0.0),
                   'effects': effect_texts(effects) or [''], 'progress': True,
+                  'effects_from': float(options.effects_from),
                   'start_speed': start[0], 'start_pprv_command': start[1]},
         'load_profile': {**common, 'scenario': str(source.resolve()), 'rig': rig_file,
                          'rate': float(options.rate),
@@ -121,7 +125,8 @@ def make_plan(options: Options) -> Plan:
         'controller': {**common, 'mode': scenario.mode, 'kp': law.kp, 'ki': law.ki,
                        'sample_time': law.sample_time, 'u_clamp_min': law.output_limits[0],
                        'u_clamp_max': law.output_limits[1], 'start_command': start[2]},
-        'estimator': {**common, 'rig': rig_file},
+        'estimator': {**common, 'rig': rig_file, 'extra_topics': extra['extra_topics'],
+                      'bag': str(output)},
         'recorder': {**common, **extra, 'output': str(output.resolve()),
                      'notes': [f'{key}={value}' for key, value in notes.items()]},
     }

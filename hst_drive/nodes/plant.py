@@ -36,6 +36,8 @@ class Plant(DriveNode):
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
         Parameter('effects', [], 'hidden effects: id.parameter=value (SI), '
                   'id.parameter=value[unit] or id'),
+        Parameter('effects_from', 0.0, 'time of the run from which on the hidden effects act',
+                  's', 0.0, 1e7),
         Parameter('seed', 1, "seed of the sensors' noise", low=0, high=2**31 - 1),
         Parameter('start_speed', 0.0, 'start steadily at this speed; 0: start at rest', 'rad/s',
                   0.0, 100.0),
@@ -55,7 +57,9 @@ class Plant(DriveNode):
         """Build drive and sensors."""
         settings = self.settings
         rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
-        self._drive = Drive(rig, parse_effects(settings['effects']))
+        effects, late = parse_effects(settings['effects']), settings['effects_from'] > 0.0
+        self._drive = Drive(rig, None if late else effects)
+        self._later = Drive(rig, effects) if late else None
         self._sensors = SensorBank(rig, settings['seed'])
         self._state = self._first_state()
         self._names = wiring.readings(settings['extra_topics'])
@@ -220,6 +224,8 @@ class Plant(DriveNode):
     def _measure(self) -> None:
         """Integrate the last interval with the commands held in it; read the sensors."""
         first = self._step == 0
+        if self._later and self._step * self._period > self.settings['effects_from'] * BILLION:
+            self._drive, self._later = self._later, None
         state = self._state.copy() if first else self._state
         held = self._inputs if first else self._held
         inputs = {name: np.array([held[name], value]) for name, value in self._inputs.items()}
