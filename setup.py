@@ -50,6 +50,7 @@ setup(
     maintainer_email='maintainers@hst-drive.example',
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={NAME: ['report/assets/*', 'workbench/assets/*']},
     data_files=data_files,
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.5'],

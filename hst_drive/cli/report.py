@@ -1,0 +1,137 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verb ``report``: a page to look at, in one file that opens without a network.
+
+Measured against model, where it fails, what is missing and how far the error falls with it. The
+numbers are those of 'compare' and 'diagnose'; of logs longer than ten minutes in all, 'diagnose'
+is left out unless asked for (--diagnose), since it takes minutes.
+"""
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from typing import TYPE_CHECKING
+
+from hst_drive.cli.common import add_log_arguments, read_json, read_logs, rig_of
+from hst_drive.cli.output import (
+    add_json_argument, check_target, plain, say, write_json, write_text)
+from hst_drive.errors import InputError
+
+if TYPE_CHECKING:
+    from hst_drive.measure.run import Run
+    from hst_drive.rig import Rig
+
+HELP = 'write a page to look at: measured against model, where it fails, what is missing'
+_LONG = 600.0   # s of logs; a diagnosis takes about a fifth of that
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_log_arguments(parser)
+    parser.add_argument('-o', '--output', metavar='PAGE.html', default='report.html',
+                        help='page to write (default: report.html)')
+    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
+                        help='judge on this log (repeatable; default: a third of each LOG)')
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument('--diagnosis', metavar='DIAGNOSIS.json',
+                        help="take what 'diagnose --json' wrote for these logs")
+    choice.add_argument('--diagnose', action='store_true',
+                        help='say what is missing, however long the logs')
+    choice.add_argument('--no-diagnosis', action='store_true', help='only compare')
+    add_json_argument(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Compare, diagnose, and write the page."""
+    from hst_drive.cli import compare as compare_verb
+    from hst_drive.measure.compare import compare, model_of
+    from hst_drive.report.fit_sections import Variant
+    from hst_drive.report.page import page
+    from hst_drive.report.provenance import provenance
+
+    check_target(args.output)
+    rig = rig_of(args)
+    paths = [*args.logs, *args.holdout]
+    runs = read_logs(paths, args.channels)
+    say('comparing')
+    comparison = compare(model_of(rig, runs), runs)
+    diagnosis, remark = _diagnosis(args, rig, runs)
+    variants = [Variant('model as given', comparison)]
+    for title, other in _adopted(args, diagnosis, rig):
+        say(f'comparing: {title}')
+        variants.append(Variant(title, compare(model_of(other, runs), runs)))
+    names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
+    source = provenance(rig, runs, paths, len(args.holdout),
+                        f'hst-drive {shlex.join(sys.argv[1:])}')
+    sentence = (diagnosis.get('sentence') if diagnosis
+                else compare_verb.text(comparison).splitlines()[0])
+    text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis, remark)
+    write_text(text, args.output)
+    tell = say if '-' in (args.output, args.json) else print
+    tell(f'wrote {args.output} ({len(text.encode()) / 1e6:.1f} MB)')
+    if args.json:
+        write_json({'schema': 'hst_drive/report/1', 'page': args.output,
+                    'comparison': compare_verb.as_json(comparison, rig.source),
+                    'with_found': [{'title': entry.title, 'comparison': compare_verb.as_json(
+                        entry.comparison, rig.source)} for entry in variants[1:]],
+                    'diagnosis': diagnosis, 'provenance': {
+                        **source._asdict(),
+                        'sources': [entry._asdict() for entry in source.sources]}}, args.json)
+    return 0
+
+
+def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dict | None, str]:
+    """Return the diagnosis as JSON knows it, and what to remark if there is none."""
+    from hst_drive.cli import diagnose as diagnose_verb
+
+    if args.diagnosis:
+        found = read_json(args.diagnosis)
+        _check(found, args.diagnosis)
+        given = sorted(entry.source for entry in runs)
+        other = sorted(map(str, found.get('logs') or [])) != given
+        return found, ('The diagnosis was made of other logs than those shown here: '
+                       f'{", ".join(map(str, found.get("logs") or []))}.' if other else '')
+    seconds = sum(float(entry.time[-1] - entry.time[0]) for entry in runs)
+    if args.no_diagnosis:
+        return None, ''
+    if seconds > _LONG and not args.diagnose:
+        remark = (f'Not diagnosed: the logs last {seconds / 60:.0f} min in all. Add --diagnose to '
+                  'find out what is missing.')
+        say(remark)
+        return None, remark
+    from hst_drive.diagnose.decide import diagnose
+
+    training = runs[:len(args.logs)]
+    result = diagnose(rig, training, runs[len(args.logs):],
+                      progress=diagnose_verb.progress_line())
+    return plain(diagnose_verb.as_json(result)), ''
+
+
+def _check(found: object, source: str) -> None:
+    from hst_drive.diagnose.adopt import SCHEMA
+
+    lacking = [key for key in ('verdict', 'sentence', 'effects', 'ladder', 'calibration')
+               if not isinstance(found, dict) or key not in found]
+    if lacking or found.get('schema') != SCHEMA or not found['ladder']:
+        raise InputError(f"{source}: is not a diagnosis (schema '{SCHEMA}'); give the file that "
+                         "'hst-drive diagnose --json' wrote")
+
+
+def _adopted(args: argparse.Namespace, diagnosis: dict | None, rig: Rig) -> list[tuple[str, Rig]]:
+    """Return the rig with what was found added, and with the formula for the unknown."""
+    from hst_drive.diagnose.adopt import adopt
+    from hst_drive.rig import default_rig_file, parse_rig
+    from hst_drive.rig.yaml_file import read_yaml
+
+    if not diagnosis:
+        return []
+    rig_file = args.rig or str(default_rig_file())
+    source = args.diagnosis or 'diagnosis'
+    formula = (diagnosis.get('unknown') or {}).get('formula')
+    kinds = ([('with what was found', False)] if diagnosis['effects'] else []) + (
+        [('with the formula for the unknown', True)] if formula else [])
+    return [(title, parse_rig(adopt(read_yaml(rig_file), diagnosis, source, rig_file,
+                                    formula=with_formula), rig.source))
+            for title, with_formula in kinds]

@@ -1,0 +1,91 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a page rests on: the files with their hashes, the rig, the versions, the date."""
+from __future__ import annotations
+
+from datetime import datetime, timezone
+import hashlib
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+import platform
+from typing import NamedTuple, Sequence
+
+import hst_drive
+from hst_drive.measure.run import Run
+from hst_drive.rig import Rig
+
+_CHUNK = 1 << 20
+
+
+class Source(NamedTuple):
+    """A log: where it is, what it holds and the SHA-256 of its files."""
+
+    path: str
+    role: str
+    bytes: int
+    sha256: str
+    samples: int
+    seconds: float
+    rate: float
+    notes: tuple[str, ...]
+
+
+class Provenance(NamedTuple):
+    """What a result rests on."""
+
+    date: str
+    command: str
+    rig: str
+    rig_file: str
+    rig_digest: str
+    sources: tuple[Source, ...]
+    versions: dict[str, str]
+
+
+def provenance(rig: Rig, runs: Sequence[Run], paths: Sequence[str], holdout: int,
+               command: str) -> Provenance:
+    """
+    Collect what a page rests on.
+
+    Parameters
+    ----------
+    rig : Rig
+        What the model stands for.
+    runs, paths : sequence
+        Logs and their files; the last ``holdout`` of them are held out.
+    holdout : int
+        See there.
+    command : str
+        As the user called it.
+
+    """
+    first_held = len(runs) - holdout
+    sources = tuple(_source(run, Path(path), 'held out' if place >= first_held else 'training')
+                    for place, (run, path) in enumerate(zip(runs, paths)))
+    now = datetime.now(timezone.utc).strftime('%Y-%m-%d %H:%M UTC')
+    return Provenance(now, command, rig.name, rig.source, rig.digest, sources, versions())
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what computes."""
+    found = {'hst_drive': hst_drive.__version__, 'Python': platform.python_version()}
+    for name in ('numpy', 'scipy', 'numba'):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = 'not installed'
+    return found
+
+
+def _source(run: Run, path: Path, role: str) -> Source:
+    files = [path] if path.is_file() else sorted(
+        entry for entry in path.rglob('*') if entry.is_file())
+    digest, size = hashlib.sha256(), 0
+    for entry in files:
+        with open(entry, 'rb') as stream:
+            while chunk := stream.read(_CHUNK):
+                digest.update(chunk)
+                size += len(chunk)
+    seconds = float(run.time[-1] - run.time[0])
+    return Source(str(path), role, size, digest.hexdigest(), len(run), seconds,
+                  1.0 / run.sample_time, run.notes)
