@@ -37,7 +37,22 @@ def viscosity(temperature, grade: str):
         If the grade is not known.
 
     """
-    at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in GRADES[grade])
+    return walther(temperature, *GRADES[grade])
+
+
+def walther(temperature, at_40_degc: float, at_100_degc: float):
+    """
+    Return the kinematic viscosity in m^2/s of an oil known at two temperatures.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        K.
+    at_40_degc, at_100_degc : float
+        mm^2/s, above 0.3.
+
+    """
+    at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in (at_40_degc, at_100_degc))
     slope = (at_40 - at_100) / (np.log10(373.15) - np.log10(313.15))
     temperature = np.clip(temperature, 233.15, 473.15)
     double_log = at_40 - slope * (np.log10(temperature) - np.log10(313.15))

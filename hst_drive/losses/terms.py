@@ -1,0 +1,216 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which physical term the simple form lacks.
+
+The simple form of a path is the better of the paper's trends written as laws (``forms``). Each
+term of the catalogue is added to it; what counts is the error on left-out speeds, loads and
+temperatures. A term is named when its size is beyond doubt, the held-out error falls by enough and
+towards the noise, and no rival does as well; then the next is looked for.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.losses.fit import Fit
+from hst_drive.losses.forms import Form, Term
+from hst_drive.losses.heldout import held_out, HeldOut
+from hst_drive.losses.paths import fit_path, Path
+import numpy as np
+
+# Tried on tables of test/losses: beyond chance in some 15 trials per table (z), and a fall of the
+# held-out error that no mere reshaping of a smooth law gives.
+LEAST_Z = 4.5
+LEAST_FALL = 0.03
+LEAST_EXCESS = 0.35         # share of the excess over the noise that a term must remove
+RIVAL_Z = 2.0
+
+LEAKAGE = (
+    Term('elastic_leakage', 'gaps that open with pressure: leakage grows with P^3',
+         lambda x: x.p**2, 'K e P^3 (beside laminar leakage)', within=True),
+    Term('elastic_leakage', 'gaps that open with pressure, whatever oil and speed',
+         lambda x: x.p**3, 'c P^3', exponent=0.0),
+    Term('orifice_leakage', 'turbulent leakage through an orifice', lambda x: np.sqrt(x.p),
+         'c P^0.5', exponent=2.0 / 3.0),
+    Term('compressibility_flow', 'flow lost by decompression of the displaced volume',
+         lambda x: x.p * x.w, 'c D w P'),
+    Term('displacement_error', 'displacement larger or smaller than stated', lambda x: x.w,
+         'c D w', signed=True),
+    Term('constant_leakage', 'leakage that depends on nothing, or an offset of a flow meter',
+         lambda x: np.ones_like(x.p), 'c', exponent=0.0, signed=True),
+)
+TORQUE = (
+    Term('hydrodynamic_drag', 'churning: drag in proportion to speed squared',
+         lambda x: x.w**2, 'c w^2', exponent=5.0 / 3.0),
+    Term('bearing_friction', 'bearing friction that grows faster than the load: P^1.5',
+         lambda x: x.p**1.5, 'c P^1.5'),
+    Term('bearing_friction', 'bearing friction that grows faster than the load: P^2',
+         lambda x: x.p**2, 'c P^2'),
+    Term('load_speed_friction', 'friction in proportion to load and speed',
+         lambda x: x.p * x.w, 'c P w'),
+    Term('mixed_friction', 'mixed friction at low speed (Stribeck)',
+         lambda x: np.exp(-3.0 * x.w), 'c exp(-3 w/w0)'),
+    Term('mixed_friction', 'mixed friction at low speed, with the load',
+         lambda x: x.p * np.exp(-3.0 * x.w), 'c P exp(-3 w/w0)'),
+)
+CATALOGUE = {'external': LEAKAGE, 'internal': LEAKAGE, 'total': LEAKAGE, 'torque': TORQUE}
+
+
+class Trial(NamedTuple):
+    """A form with a term: its fit, held-out errors, and what the term is worth."""
+
+    form: Form
+    fit: Fit
+    held: HeldOut
+    term: Term
+    coefficient: float
+    sd: float
+    error: float
+    before: float
+
+    @property
+    def z(self) -> float:
+        """Return the coefficient over its standard deviation."""
+        return abs(self.coefficient) / self.sd if self.sd > 0 else 0.0
+
+
+class Step(NamedTuple):
+    """A term that was named: trial, rivals that do as well, share of the loss it makes."""
+
+    trial: Trial
+    rivals: tuple[str, ...]
+    share: float
+    share_low: float
+    share_high: float
+
+
+class Search(NamedTuple):
+    """Result for a path: simple form, its fit and held-out error, steps, all first trials."""
+
+    path: Path
+    form: Form
+    fit: Fit
+    held: HeldOut
+    error: float
+    steps: tuple[Step, ...]
+    trials: tuple[Trial, ...]
+    forms: tuple[tuple[str, float], ...]
+
+    @property
+    def best(self) -> tuple[Form, Fit, HeldOut]:
+        """Return form, fit and held-out errors with the named terms."""
+        last = self.steps[-1].trial if self.steps else self
+        return last.form, last.fit, last.held
+
+    @property
+    def error_after(self) -> float:
+        """Return the held-out error, over the noise, with the named terms."""
+        return self.steps[-1].trial.error if self.steps else self.error
+
+
+_BUT = ('size',)
+
+
+def search(path: Path, most: int = 2) -> Search:
+    """Look for the terms that a path's simple form lacks."""
+    judged = []
+    for form in path.forms():
+        fit = fit_path(path, form)
+        held = held_out(path, form, fit)
+        judged.append((held.rms(fit.weights, _BUT), form, fit, held))
+    judged.sort(key=lambda entry: entry[0])
+    error, form, fit, held = judged[0]
+    steps: list[Step] = []
+    first: tuple[Trial, ...] = ()
+    state = (error, form, fit, held)
+    for step in range(most):
+        # A term must mend every way of writing the simple form, not just the best one.
+        bases = [entry[1:] for entry in judged] if not steps else [state[1:]]
+        trials = [trial for base in bases for trial in _trials(path, *base)]
+        if not steps:
+            first = tuple(sorted(trials, key=lambda trial: trial.error))
+        found = _named(path, state, trials, steps)
+        if found is None:
+            break
+        steps.append(found)
+        state = (found.trial.error, *found.trial[:3])
+    return Search(path, form, fit, held, error, tuple(steps), first,
+                  tuple((entry[1].id, entry[0]) for entry in judged))
+
+
+def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
+    """Add each term of the catalogue to a form."""
+    kinds = tuple(kind for kind in path.groups if kind not in _BUT) or None
+    before = held.rms(fit.weights, _BUT)
+    out = []
+    for term in CATALOGUE[path.name]:
+        if term in form.terms:
+            continue
+        wider = form.with_terms(term)
+        names = [parameter.name for parameter in wider.parameters()]
+        place = len(form.own) + sum(len(old.parameters(form.several)) for old in form.terms)
+        own = len(term.parameters(form.several))
+        start = np.insert(fit.values, [place] * own,
+                          [entry.start for entry in term.parameters(form.several)])
+        start[place] = 1e-3
+        trial = fit_path(path, wider, start)
+        assert names[place] == term.id
+        coefficient, variance = trial.values[place], trial.covariance[place, place]
+        if coefficient == 0.0 or abs(coefficient) < LEAST_Z * np.sqrt(variance):
+            out.append(Trial(wider, trial, held, term, coefficient, float(np.sqrt(variance)),
+                             before, before))
+            continue
+        new = held_out(path, wider, trial, kinds)
+        out.append(Trial(wider, trial, new, term, float(coefficient), float(np.sqrt(variance)),
+                         new.rms(trial.weights, _BUT), before))
+    return out
+
+
+def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | None:
+    """Return the term that is beyond doubt, with its rivals, or None."""
+    error = state[0]
+    named = {step.trial.term.id for step in steps}
+    good = [trial for trial in trials
+            if trial.z >= LEAST_Z and trial.term.id not in named
+            and trial.error < error * (1.0 - LEAST_FALL)
+            and error**2 - trial.error**2 > LEAST_EXCESS * max(error**2 - 1.0, 0.0)]
+    if not good:
+        return None
+    good.sort(key=lambda trial: trial.error)
+    best = good[0]
+    rivals = []
+    for trial in good[1:]:
+        if trial.term.id != best.term.id and trial.term.id not in rivals \
+                and not _worse(trial, best):
+            rivals.append(trial.term.id)
+    share, low, high = _share(path, best)
+    return Step(best, tuple(rivals), share, low, high)
+
+
+def _worse(trial: Trial, best: Trial) -> bool:
+    """Return whether a trial's held-out errors are larger beyond chance (levels as blocks)."""
+    gaps = []
+    for kind, error in best.held.error.items():
+        if kind in trial.held.error and kind not in _BUT:
+            gaps.append(np.clip(trial.held.error[kind], -30, 30)**2 - np.clip(error, -30, 30)**2)
+    gap = np.mean(gaps, axis=0)
+    return bool(gap.mean() > RIVAL_Z * gap.std() / np.sqrt(len(gap)))
+
+
+def _share(path: Path, trial: Trial) -> tuple[float, float, float]:
+    """Return the share of the whole loss that a term makes, and its 95 % interval."""
+    share = term_share(path, trial, trial.coefficient)
+    wide = 1.96 * trial.sd / max(abs(trial.coefficient), 1e-12)
+    ends = sorted((share * (1.0 - wide), share * (1.0 + wide)))
+    return share, ends[0], ends[1]
+
+
+def term_share(path: Path, trial: Trial, coefficient: float) -> float:
+    """Return the share of the loss over all rows that a term with this coefficient makes."""
+    place = next(index for index, parameter in enumerate(trial.form.parameters())
+                 if parameter.name == trial.term.id and trial.fit.values[index]
+                 == trial.coefficient)
+    with_it, without = trial.fit.values.copy(), trial.fit.values.copy()
+    with_it[place], without[place] = coefficient, 0.0
+    bare = trial.form(without, path.x)
+    return float(np.sum(trial.form(with_it, path.x) - bare) / np.sum(np.abs(path.y)))
