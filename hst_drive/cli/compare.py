@@ -16,7 +16,7 @@ from hst_drive.cli.output import add_json_argument, check_target, say, table, wr
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
-    from hst_drive.measure.compare import Comparison
+    from hst_drive.measure.compare import Comparison, LogComparison
     from hst_drive.measure.errors import ErrorSummary
     from hst_drive.measure.where import Region
 
@@ -29,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_log_arguments(parser)
     parser.add_argument('--closed-loop', action='store_true',
                         help='let the PI controller command the pump, and compare the command too')
+    parser.add_argument('--all', action='store_true',
+                        help='judge every second, also start from rest and cavitation, which '
+                        "'diagnose' leaves out, too")
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw measured, model and error (several logs: one file each)')
     add_json_argument(parser)
@@ -45,7 +48,8 @@ def run(args: argparse.Namespace) -> int:
     for entry in runs:
         for note in entry.notes:
             say(f'{entry.name}: {note}')
-    result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop)
+    result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
+                     all_seconds=args.all)
     # With the JSON on standard output, nothing else may stand there.
     if args.json != '-':
         print(text(result))
@@ -66,6 +70,9 @@ def text(result: Comparison, most_regions: int = 8) -> str:
         lines += ['', 'error over floor, log by log:', table(['log', *result.signals], rows)]
     if result.where:
         lines += ['', 'where the error sits:', _where(result.where[:most_regions])]
+    elif _worst(result)[1] > _CLEAR:
+        lines += ['', 'where the error sits: nothing sticks out; it is spread over the whole '
+                  'range of operation']
     delays = [f'{log.run.name}: {name} is {abs(delay) * 1e3:.1f} ms '
               f'{"late" if delay > 0 else "early"}' for log in result.logs
               for name, delay in log.delays.items()
@@ -75,20 +82,35 @@ def text(result: Comparison, most_regions: int = 8) -> str:
                if log.shift]
     if delays:
         lines += ['', 'timing (measured against model):', *delays]
+    left_out = [line for log in result.logs for line in _left_out(log)]
+    if left_out:
+        lines += ['', "left out, as in 'diagnose' (--all judges it, too):", *left_out]
     return '\n'.join(lines)
 
 
-def _sentence(result: Comparison) -> str:
+def _left_out(log: LogComparison) -> list[str]:
+    spans = [f'{span.start:.2f} to {span.end:.2f} s ({span.why})' for span in log.judged.left_out]
+    lines = [f'{log.run.name}: {"; ".join(spans)}'] if spans else []
+    return lines + [f'{log.run.name}: {why} would take {100 * share:.0f} % of the log: judged, too'
+                    for why, share in log.judged.kept.items()]
+
+
+def _worst(result: Comparison) -> tuple[str, float]:
+    """Return the signal that the model meets worst, and its error over the floor."""
     ratios = {name: entry.noise_ratio for name, entry in result.signals.items() if entry.samples}
-    worst = max(ratios, key=ratios.get)
+    return max(ratios.items(), key=lambda item: item[1])
+
+
+def _sentence(result: Comparison) -> str:
+    worst, ratio = _worst(result)
     from hst_drive.measure.run import CHANNELS
 
     logs = f'{len(result.logs)} logs' if len(result.logs) > 1 else result.logs[0].run.name
-    if ratios[worst] <= _CLEAR:
+    if ratio <= _CLEAR:
         return f"{logs}: '{result.rig}' explains the measurements down to the noise " \
-               f'(worst: {CHANNELS[worst].title}, {ratios[worst]:.2f} x floor).'
+               f'(worst: {CHANNELS[worst].title}, {ratio:.2f} x floor).'
     return f"{logs}: '{result.rig}' does not explain the measurements: the error of " \
-           f'{CHANNELS[worst].title} is {ratios[worst]:.1f} times what a perfect model would show.'
+           f'{CHANNELS[worst].title} is {ratio:.1f} times what a perfect model would show.'
 
 
 def _table(signals: dict[str, ErrorSummary]) -> str:
@@ -135,8 +157,15 @@ def as_json(result: Comparison, rig: str) -> dict:
         'signals': _signals_json(result.signals),
         'where': [region._asdict() for region in result.where],
         'by_log': [{'log': log.run.source, 'signals': _signals_json(log.signals),
-                    'delays': {'unit': 's', **log.delays}} for log in result.logs],
+                    'delays': {'unit': 's', **log.delays}, **_left_out_json(log)}
+                   for log in result.logs],
     }
+
+
+def _left_out_json(log: LogComparison) -> dict:
+    return {'seconds_left_out': log.judged.seconds_left_out,
+            'left_out': [{**span._asdict(), 'unit': 's'} for span in log.judged.left_out],
+            'too_much_to_leave_out': log.judged.kept}
 
 
 def _signals_json(signals: dict[str, ErrorSummary]) -> dict:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
+from hst_drive.measure.judged import judged
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -26,13 +27,10 @@ from scipy.ndimage import gaussian_filter1d
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
 EVENTS = 0.07           # share of the blocks that single events may spoil
-FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
+FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER = 1.0     # of the squared noise ratio
-_START = 3.0            # s within which a drive may still break away from standstill
-_CAVITATING = 0.3e5     # Pa gauge
-_AFTER = 1.0            # s that the ringing after either takes
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 
 
@@ -169,19 +167,7 @@ class Campaign:
             part = np.where(block % 3 == 1, -1, 1)
             if block[-1] < 2:
                 part = np.where(time < 0.67 * time[-1], 1, -1)
-        part[time < SETTLE] = 0
-        pressure = replay.run.channels.get('pump_outlet_pressure')
-        if pressure is not None:
-            # Where the inlet cavitates, oil comes and goes that no balance counts.
-            index = np.arange(len(time))
-            last = np.maximum.accumulate(np.where(pressure < _CAVITATING, index, -1))
-            part[(last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)] = 0
-        if 'motor_speed' in replay.run:
-            # Breaking away from standstill hangs on fractions of a volt and a newton metre.
-            speed = np.nan_to_num(np.abs(replay.run['motor_speed']))
-            starting = (time < _START) & (speed < 0.3 * np.median(speed))
-            if starting.any():
-                part[time <= time[np.flatnonzero(starting)[-1]] + _AFTER] = 0
+        part[(time < SETTLE) | ~judged(replay.run).samples] = 0
         return part
 
     def _layout(self) -> list[Column]:

@@ -11,6 +11,7 @@ from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.errors import ErrorSummary, summarise
+from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
@@ -30,7 +31,7 @@ class LogComparison(NamedTuple):
     One log: the recording, what the model gives, and errors.
 
     ``delays`` is how late each measured signal was found, s; ``shift`` the delay that all have in
-    common, by which the commands were moved.
+    common, by which the commands were moved; ``judged`` says which samples the errors count.
     """
 
     run: Run
@@ -38,6 +39,11 @@ class LogComparison(NamedTuple):
     signals: dict[str, ErrorSummary]
     delays: dict[str, float]
     shift: float
+    judged: Judged
+
+    def measured(self, name: str) -> np.ndarray:
+        """Return a measured signal, NaN where it is not judged."""
+        return np.where(self.judged.samples, self.run[name], np.nan)
 
 
 class Comparison(NamedTuple):
@@ -56,7 +62,7 @@ def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
 
 
 def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
-            closed_loop: bool = False) -> Comparison:
+            closed_loop: bool = False, all_seconds: bool = False) -> Comparison:
     """
     Replay recordings through a model and judge it.
 
@@ -69,6 +75,8 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
     closed_loop : bool
         Let the rig's PI controller command the pump instead of the recorded command; the
         command is then compared, too. Needs 'speed_setpoint'.
+    all_seconds : bool
+        Judge those seconds, too, that a diagnosis leaves out (``judged``).
 
     Raises
     ------
@@ -81,10 +89,12 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
                          'out')
     for run in runs:
-        replay, shift = _aligned(run, drive)
+        count = (everything if all_seconds or isinstance(drive, PartModel) else judged)(run)
+        replay, shift = _aligned(run, drive, count)
         run = replay.run
         model = dict(replay.predict(drive).signals)
-        floor = replay.floor(drive)
+        floor = (replay.floor(drive, count=count.samples) if isinstance(replay, Replay)
+                 else replay.floor(drive))
         noise = dict(replay.noise)
         if closed_loop:
             torque = {replay.torque: model[replay.torque]} if replay.can_correct else {}
@@ -92,10 +102,12 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
             noise['pump_command'] = _command_noise(run['pump_command'])
             floor['pump_command'] = _command_floor(drive, run, noise['pump_command'],
                                                    floor.get('motor_speed', 0.0))
-        delays = {name: _delay(run.time, model[name], run[name], floor[name]) for name in model}
-        signals = {name: summarise(model[name], run[name], CHANNELS[name].unit, noise[name],
-                                   floor[name]) for name in model}
-        logs.append(LogComparison(run, model, signals, delays, shift))
+        log = LogComparison(run, model, {}, {}, shift, count)
+        delays = {name: _delay(run.time, model[name], log.measured(name), floor[name])
+                  for name in model}
+        signals = {name: summarise(model[name], log.measured(name), CHANNELS[name].unit,
+                                   noise[name], floor[name]) for name in model}
+        logs.append(log._replace(signals=signals, delays=delays))
         floors.append(floor)
         variables.append(operating_variables(run))
     names = list(dict.fromkeys(name for log in logs for name in log.signals))
@@ -103,7 +115,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
     shared = set.intersection(*(set(entry) for entry in variables))
     everywhere = [name for name in names if all(name in log.signals for log in logs)]
     regions = where(
-        {name: [log.model[name] - log.run[name] for log in logs] for name in everywhere},
+        {name: [log.model[name] - log.measured(name) for log in logs] for name in everywhere},
         {name: [entry[name] for entry in variables] for name in variables[0] if name in shared},
         {name: pooled[name].floor for name in everywhere})
     return Comparison(drive.rig.name, closed_loop, pooled, regions, logs)
@@ -115,7 +127,7 @@ def _pool(logs: Sequence[LogComparison], name: str) -> ErrorSummary:
     noise, floor = (math.sqrt(float(weights @ [getattr(log.signals[name], key)**2 for log in logs]
                                     / weights.sum())) for key in ('noise_std', 'floor'))
     return summarise(np.concatenate([log.model[name] for log in logs]),
-                     np.concatenate([log.run[name] for log in logs]),
+                     np.concatenate([log.measured(name) for log in logs]),
                      CHANNELS[name].unit, noise, floor)
 
 
@@ -134,7 +146,7 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
     return delay if 10 * deviation < abs(delay) < _LONGEST_DELAY else 0.0
 
 
-def _aligned(run: Run, drive: Drive) -> tuple[Replay | PartReplay, float]:
+def _aligned(run: Run, drive: Drive, count: Judged) -> tuple[Replay | PartReplay, float]:
     """
     Return the replay of a log with its commands moved to the stamps of the readings.
 
@@ -145,10 +157,12 @@ def _aligned(run: Run, drive: Drive) -> tuple[Replay | PartReplay, float]:
     first = replay = Replay(run, drive)
     total, power = 0.0, []
     for _ in range(4):
-        model, floor = replay.predict(drive).signals, replay.floor(drive)
-        power.append(sum(float(np.nanmean((model[name] - run[name])**2)) / floor[name]**2
+        model = replay.predict(drive).signals
+        floor = replay.floor(drive, count=count.samples)
+        measured = {name: np.where(count.samples, run[name], np.nan) for name in model}
+        power.append(sum(float(np.nanmean((model[name] - measured[name])**2)) / floor[name]**2
                          for name in model))
-        found = _common({name: _delay(run.time, model[name], run[name], floor[name])
+        found = _common({name: _delay(run.time, model[name], measured[name], floor[name])
                          for name in model})
         if abs(found) < 0.3 * run.sample_time:
             break

@@ -291,14 +291,15 @@ class Replay:
         model = np.where(np.abs(measured - low) <= near, np.maximum(model, measured), model)
         return np.where(np.abs(measured - high) <= near, np.minimum(model, measured), model)
 
-    def floor(self, drive: Drive, seed: int = 0) -> dict[str, float]:
+    def floor(self, drive: Drive, seed: int = 0,
+              count: np.ndarray | None = None) -> dict[str, float]:
         """
         Return the rmse, by signal, that a perfect model would still show.
 
         Sensor noise, and what the part of the load torque that the smoothing misses does to the
         replay: draws of that part are replayed. Where no torque is measured the roughness of the
         load is not known; then what varies faster than about a second and is coloured counts as
-        its work.
+        its work. ``count`` says which samples are judged, all unless given.
 
         """
         floor = {name: self.noise[name]**2 for name in self.signals}
@@ -315,7 +316,7 @@ class Replay:
                 moved = self.predict(drive, self._smoother.draw_error(random)).signals
                 for name in self.signals:
                     if name != self.torque:
-                        shift = moved[name] - base[name]
+                        shift = (moved[name] - base[name])[slice(None) if count is None else count]
                         floor[name] += float(np.nanmean(shift**2)) / _DRAWS
             floor[self.torque] += self.roughness.std**2
         return {name: float(np.sqrt(value)) for name, value in floor.items()}

@@ -12,6 +12,11 @@ from scipy.ndimage import gaussian_filter1d
 _BINS = 8
 _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',
               'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
+# A region says something if the odds of the error to lie there are so many times those of the
+# time: fewer are needed where the variable explains more of it. Where the error changes its sign
+# from moment to moment no function explains it, but then it must be crowded.
+_ODDS = ((0.3, 1.5), (0.1, 2.0), (0.0, 5.0))   # explained at least, odds at least
+_LEAST_SPAN = {'oil_temperature': 2.0}   # K; oil that keeps its temperature explains nothing
 TRANSIENT = 'pressure_rate'   # Pa/s; how fast the state changes
 
 
@@ -60,7 +65,7 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
           variables: Mapping[str, Sequence[np.ndarray]], floors: Mapping[str, float],
           most: int = 8) -> list[Region]:
     """
-    Find the regions that hold the error.
+    Find the regions that hold the error; none where it is spread over the whole range.
 
     Parameters
     ----------
@@ -88,7 +93,8 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
                 continue
             region = _region(signal, variable, error[valid], np.concatenate(columns)[valid])
             if region:
-                regions.append((region.explained * (power / floors[signal]**2)**0.25, region))
+                telling = region.explained + region.share_of_error - region.share_of_time
+                regions.append((telling * (power / floors[signal]**2)**0.25, region))
     regions.sort(key=lambda item: -item[0])
     return [region for _, region in regions[:most]]
 
@@ -96,6 +102,8 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
 def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -> Region | None:
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 3 or edges[-1] - edges[0] < 1e-9 * max(abs(edges[0]), abs(edges[-1]), 1e-9):
+        return None
+    if edges[-1] - edges[0] < _LEAST_SPAN.get(variable, 0.0):
         return None
     bins = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, len(edges) - 2)
     counts = np.bincount(bins, minlength=len(edges) - 1)
@@ -115,5 +123,8 @@ def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -
     if not found or best < 0.1:
         return None
     low, high, held, spent = found
+    odds = held * (1 - spent) / max(spent * (1 - held), 1e-9)
+    if odds < next(least for share, least in _ODDS if explained >= share):
+        return None
     return Region(signal, variable, float(edges[low]), float(edges[high]), unit_of(variable),
                   float(held), float(spent), explained)

@@ -252,3 +252,24 @@ def test_a_frozen_channel_is_told(run, tmp_path, capsys):
     code, out, err = command(capsys, path, '--json', tmp_path / 'a.json')
     assert code == 0 and 'motor_speed: the same number throughout' in err
     assert json.loads((tmp_path / 'a.json').read_text())['signals']['motor_speed']['fit'] is None
+
+
+def test_what_is_left_out_is_told(run, tmp_path, capsys):
+    """A start from rest, a pressure at zero for a while, and one that is there for too long."""
+    low, rest = run['pump_outlet_pressure'].copy(), run['motor_speed'].copy()
+    low[300:310] = 0.0
+    rest[:10] = 0.0
+    path = tmp_path / 'low.csv'
+    write_csv(path, Run('low', run.time, {**run.channels, 'pump_outlet_pressure': low}))
+    code, out, err = command(capsys, path, '--json', tmp_path / 'a.json')
+    assert code == 0 and 'low: 3.00 to 3.99 s (cavitation)' in out and "as in 'diagnose'" in out
+    entry, = json.loads((tmp_path / 'a.json').read_text())['by_log']
+    assert entry['left_out'] == [{'start': 3.0, 'end': pytest.approx(3.99), 'unit': 's',
+                                  'why': 'cavitation'}]
+    assert entry['seconds_left_out'] == pytest.approx(0.99)
+    assert 'left out' not in command(capsys, path, '--all')[1]
+    write_csv(path, Run('low', run.time, {**run.channels, 'pump_outlet_pressure': low,
+                                          'motor_speed': rest}))
+    out = command(capsys, path)[1]
+    assert 'low: 0.00 to 1.10 s (start from rest)' in out
+    assert 'low: cavitation would take 25 % of the log: judged, too' in out

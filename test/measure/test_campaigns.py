@@ -54,7 +54,8 @@ def test_no_effect_reaches_the_noise(samples):
 def test_every_other_case_shows_its_error(samples, case):
     found = samples(case)
     assert max(entry.noise_ratio for entry in found.signals.values()) > 2
-    assert found.where
+    # Coulomb friction takes the same torque everywhere.
+    assert bool(found.where) != (case == 'dry_bearing')
 
 
 def test_warm_oil_is_told_by_its_temperature(samples):
@@ -71,4 +72,6 @@ def test_a_long_hose_is_told_by_speed(samples):
 def test_friction_at_low_speed_is_told_by_low_speed(samples):
     found = [region for region in samples('slow_speed_friction').where
              if region.variable == 'motor_speed' and region.signal == 'pump_outlet_pressure']
-    assert found and found[0].low < 0.5 and found[0].high < 7
+    # The start from rest is left out; the sweep and the commands by hand go down to 2.3 rad/s.
+    assert found and found[0].low < 2.5 and found[0].high < 10.45
+    assert found[0].share_of_error > 2 * found[0].share_of_time

@@ -39,6 +39,29 @@ def test_no_region_where_the_model_reaches_the_floor_or_the_error_is_even():
     assert where({'motor_speed': [NOISE + 20]}, VARIABLES, {'motor_speed': 1.0}) == []
 
 
+def test_an_error_that_is_spread_out_or_hardly_crowded_is_not_listed():
+    # A tenth more than its share says nothing; a sine of no variable neither.
+    error = NOISE * np.where(SPEED > 11.5, 1.3, 1.0)
+    assert where({'motor_speed': [3 * error]}, VARIABLES, {'motor_speed': 1.0}) == []
+    assert where({'motor_speed': [5 * np.sin(40 * TIME)]}, VARIABLES, {'motor_speed': 1.0}) == []
+
+
+def test_an_error_of_either_sign_is_listed_where_it_is_crowded():
+    error = NOISE * np.where(SPEED > 12, 10.0, 1.0)
+    region = where({'motor_speed': [error]}, VARIABLES, {'motor_speed': 1.0})[0]
+    assert region.variable == 'motor_speed' and region.explained < 0.05
+    assert region.share_of_error > 0.8 and region.share_of_time == pytest.approx(0.25)
+
+
+def test_the_most_telling_comes_first_and_steady_oil_tells_nothing():
+    variables = {**VARIABLES, 'oil_temperature': [323.0 + 0.1 * (SPEED - 10)]}
+    errors = {'motor_inlet_flow': [NOISE + 3.0 * (SPEED > 11.5)],
+              'motor_speed': [NOISE + 30.0 * (SPEED > 11.5)]}
+    regions = where(errors, variables, dict.fromkeys(errors, 1.0))
+    assert [region.signal for region in regions[:2]] == ['motor_speed', 'motor_inlet_flow']
+    assert {region.variable for region in regions} == {'motor_speed'}
+
+
 def test_several_logs_and_gaps():
     error = NOISE + 8.0 * (SPEED > 11.5)
     error[100:200] = np.nan

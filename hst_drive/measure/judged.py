@@ -1,0 +1,93 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which seconds of a recording a model of the whole drive is judged on.
+
+Left out is what hangs on something that no channel shows: the moment at which the drive breaks
+away from standstill, and oil that comes and goes where the inlet cavitates. Both are told from
+the measurement alone, never from the error, and together they may take ``MOST`` of a recording:
+what fills more of it is how the drive runs (or what its pressure sensor says), and an error
+there is an error.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.measure.run import Run
+import numpy as np
+
+MOST = 0.3              # share of a recording that may be left out
+_START = 3.0            # s within which a drive may still break away from standstill
+_CAVITATING = 0.3e5     # Pa gauge
+_AFTER = 1.0            # s that the ringing after either takes
+
+
+class Span(NamedTuple):
+    """Seconds of a recording's own time, and why they are left out."""
+
+    start: float
+    end: float
+    why: str
+
+
+class Judged(NamedTuple):
+    """
+    The samples that count, the spans that do not, and what was too long to leave out.
+
+    ``kept`` is the share of the recording by reason.
+    """
+
+    samples: np.ndarray
+    left_out: tuple[Span, ...] = ()
+    kept: dict[str, float] = {}
+
+    @property
+    def seconds_left_out(self) -> float:
+        """How much is left out, s."""
+        return sum(span.end - span.start for span in self.left_out)
+
+
+def everything(run: Run) -> Judged:
+    """Return that every sample counts."""
+    return Judged(np.ones(len(run), dtype=bool))
+
+
+def judged(run: Run) -> Judged:
+    """Return which samples of a recording of the whole drive count."""
+    time = run.time - run.time[0]
+    out = np.zeros(len(run), dtype=bool)
+    reasons, kept = {}, {}
+    for why, part in (('start from rest', _starting(run, time)),
+                      ('cavitation', _cavitating(run, time))):
+        if np.mean(out | part) > MOST:
+            kept[why] = float(np.mean(part))
+        elif part.any():
+            reasons[why] = part
+            out |= part
+    return Judged(~out, _spans(run.time, out, reasons), kept)
+
+
+def _starting(run: Run, time: np.ndarray) -> np.ndarray:
+    """Tell the start: breaking away hangs on fractions of a volt and a newton metre."""
+    if 'motor_speed' not in run:
+        return np.zeros(len(time), dtype=bool)
+    speed = np.abs(run['motor_speed'])
+    slow = (time < _START) & (speed < 0.3 * np.nanmedian(speed))
+    return time <= time[np.flatnonzero(slow)[-1]] + _AFTER if slow.any() else slow
+
+
+def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
+    """Tell where the inlet cavitates: oil comes and goes there that no balance counts."""
+    pressure = run.channels.get('pump_outlet_pressure')
+    if pressure is None:
+        return np.zeros(len(time), dtype=bool)
+    last = np.maximum.accumulate(np.where(pressure < _CAVITATING, np.arange(len(time)), -1))
+    return (last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)
+
+
+def _spans(time: np.ndarray, out: np.ndarray, reasons: dict[str, np.ndarray]) -> tuple[Span, ...]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], out, [False]]).astype(int)))
+    return tuple(Span(
+        float(time[first]), float(time[min(end, len(time) - 1)]),
+        ', '.join(why for why, part in reasons.items() if part[first:end].any()))
+        for first, end in zip(edges[::2], edges[1::2]))

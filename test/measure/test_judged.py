@@ -1,0 +1,100 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which seconds count: start from rest and cavitation do not, and no mask hides an error."""
+from pathlib import Path
+
+from hst_drive.bag import read_log
+from hst_drive.measure.compare import compare
+from hst_drive.measure.judged import judged, MOST
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+from .synthetic import record
+
+TIME = np.arange(6000) * 0.01
+SAMPLES = Path(__file__).resolve().parents[3] / 'shared' / 'cases'
+LOGS = ('drilling', 'speed_sweep', 'open_loop', 'drilling_holdout')
+
+
+def run(*, speed=None, pressure=None, time=TIME):
+    """Return a recording of two signals."""
+    return Run('a', time, {
+        'motor_speed': np.full(len(time), 10.0) if speed is None else speed,
+        'pump_outlet_pressure': np.full(len(time), 60e5) if pressure is None else pressure})
+
+
+def test_a_recording_that_starts_running_counts_whole():
+    assert judged(run()).samples.all() and judged(run()).left_out == ()
+    gaps = np.where(TIME % 0.2 < 0.02, np.nan, 10.0)
+    assert judged(run(speed=gaps)).samples.all()
+
+
+def test_start_and_cavitation_are_left_out_with_what_rings_after():
+    speed = np.where(TIME < 1.5, 0.0, 10.0)
+    pressure = np.where((TIME >= 20) & (TIME < 21), -1e5, 60e5)
+    found = judged(run(speed=speed, pressure=pressure, time=TIME + 100))
+    start, low = found.left_out
+    assert (start.why, low.why) == ('start from rest', 'cavitation')
+    # A second after the last sample at rest, or at low pressure; times as recorded.
+    assert (start.start, start.end) == pytest.approx((100, 102.5), abs=0.011)
+    assert (low.start, low.end) == pytest.approx((120, 122), abs=0.011)
+    assert found.seconds_left_out == pytest.approx(4.5, abs=0.03)
+    assert np.count_nonzero(~found.samples) == pytest.approx(450, abs=3)
+    assert found.kept == {}
+
+
+def test_a_late_stop_counts():
+    speed = np.where((TIME > 10) & (TIME < 20), 0.0, 10.0)
+    assert judged(run(speed=speed)).samples.all()
+
+
+def test_what_fills_the_recording_is_not_left_out():
+    speed = np.where(TIME < 1.0, 0.0, 10.0)
+    found = judged(run(speed=speed, pressure=np.where(TIME % 10 < 4, 0.0, 60e5)))
+    assert [span.why for span in found.left_out] == ['start from rest']
+    assert found.kept == {'cavitation': pytest.approx(0.5, abs=0.01)}
+    short = run(speed=speed[:400], time=TIME[:400])
+    assert judged(short).samples.all() and judged(short).kept.keys() == {'start from rest'}
+
+
+@pytest.mark.needs_numba
+def test_a_sensor_that_reads_zero_does_not_clear_itself():
+    """An offset that takes most readings below the limit of cavitation is an error to show."""
+    log = record(4)
+    log.channels['pump_outlet_pressure'] = np.maximum(log['pump_outlet_pressure'] - 60e5, 0.0)
+    assert np.mean(log['pump_outlet_pressure'] < 0.3e5) > MOST
+    result = compare(Drive(default_rig()), [log])
+    assert result.signals['pump_outlet_pressure'].noise_ratio > 50
+    assert result.logs[0].judged.kept.keys() == {'cavitation'}
+
+
+@pytest.mark.needs_numba
+@pytest.mark.skipif(not SAMPLES.is_dir(), reason='the sample campaigns are not here')
+@pytest.mark.parametrize('case', ['no_effect', 'foaming_oil', 'sticky_swash_plate', 'worn_motor'])
+def test_samples(case):
+    """Without an effect each log reaches its floor; with one each still shows it."""
+    result = compare(Drive(default_rig()), [read_log(SAMPLES / case / f'{name}.csv')
+                                            for name in LOGS])
+    for log in result.logs:
+        assert 1.0 < log.judged.seconds_left_out < 3.0
+        assert 'start from rest' in log.judged.left_out[0].why
+        ratios = [entry.noise_ratio for entry in log.signals.values()]
+        if case == 'no_effect':
+            assert 0.95 < min(ratios) and max(ratios) < 1.1
+        else:
+            assert max(ratios) > 3.5
+
+
+@pytest.mark.needs_numba
+@pytest.mark.skipif(not SAMPLES.is_dir(), reason='the sample campaigns are not here')
+def test_all_seconds_are_judged_when_asked():
+    log = read_log(SAMPLES / 'foaming_oil' / 'drilling.csv')
+    whole = compare(Drive(default_rig()), [log], all_seconds=True)
+    most = compare(Drive(default_rig()), [log])
+    assert whole.signals['motor_speed'].samples == len(log)
+    assert most.signals['motor_speed'].samples == np.count_nonzero(most.logs[0].judged.samples)
+    assert whole.signals['motor_speed'].max_abs > 2 * most.signals['motor_speed'].max_abs
+    assert whole.logs[0].judged.left_out == ()
