@@ -14,7 +14,7 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_log_arguments, read_json, read_logs, rig_of
+from hst_drive.cli.common import add_log_arguments, read_json, read_logs
 from hst_drive.cli.output import (
     add_json_argument, check_target, plain, say, write_json, write_text)
 from hst_drive.errors import InputError
@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='page to write (default: report.html)')
     parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
                         help='judge on this log (repeatable; default: a third of each LOG)')
+    add_model_arguments(parser)
     choice = parser.add_mutually_exclusive_group()
     choice.add_argument('--diagnosis', metavar='DIAGNOSIS.json',
                         help="take what 'diagnose --json' wrote for these logs")
@@ -43,6 +44,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_json_argument(parser)
 
 
+def add_model_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare what changes the rig's model: --effect and --factor."""
+    parser.add_argument('--effect', metavar='ID.PARAMETER=VALUE', action='append', default=[],
+                        help="add an effect to the rig's (repeatable; SI, or VALUE[unit])")
+    parser.add_argument('--factor', metavar='QUANTITY=FACTOR', action='append', default=[],
+                        help='factor of this unit on a quantity, e.g. motor.leakage=1.05')
+
+
+def model_file(args: argparse.Namespace) -> dict:
+    """Return the mapping of the rig file that was asked for, with --effect and --factor."""
+    from hst_drive.nodes.settings import parse_effects
+    from hst_drive.rig import default_rig_file
+    from hst_drive.rig.yaml_file import read_yaml
+
+    content = read_yaml(args.rig or str(default_rig_file()))
+    added = parse_effects(args.effect)
+    if added:
+        content['effects'] = {**(content.get('effects') or {}), **{
+            name: _whole_effect(name, values) for name, values in added.items()}}
+    for text in args.factor:
+        key, _, value = text.partition('=')
+        try:
+            factor = float(value)
+        except ValueError:
+            raise InputError(f'--factor {text}: expected QUANTITY=FACTOR, as motor.leakage=1.05'
+                             ) from None
+        calibration = dict(content.get('calibration') or {})
+        calibration[key.strip()] = calibration.get(key.strip(), 1.0) * factor
+        content['calibration'] = calibration
+    return content
+
+
+def _whole_effect(name: str, values: dict[str, float]) -> dict[str, float]:
+    """Return all parameters of an effect; one that is not given has its typical value."""
+    from hst_drive.effects import catalogue
+
+    return {entry.name: values.get(entry.name, entry.typical)
+            for entry in catalogue()[name].parameters}
+
+
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
     from hst_drive.cli import compare as compare_verb
@@ -50,16 +91,19 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.report.fit_sections import Variant
     from hst_drive.report.page import page
     from hst_drive.report.provenance import provenance
+    from hst_drive.rig import default_rig_file, parse_rig
 
     check_target(args.output)
-    rig = rig_of(args)
+    content = model_file(args)
+    rig_file = args.rig or str(default_rig_file())
+    rig = parse_rig(content, rig_file)
     paths = [*args.logs, *args.holdout]
     runs = read_logs(paths, args.channels)
     say('comparing')
     comparison = compare(model_of(rig, runs), runs)
     diagnosis, remark = _diagnosis(args, rig, runs)
     variants = [Variant('model as given', comparison)]
-    for title, other in _adopted(args, diagnosis, rig):
+    for title, other in _adopted(content, diagnosis, args.diagnosis or 'diagnosis', rig):
         say(f'comparing: {title}')
         variants.append(Variant(title, compare(model_of(other, runs), runs)))
     names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
@@ -119,19 +163,17 @@ def _check(found: object, source: str) -> None:
                          "'hst-drive diagnose --json' wrote")
 
 
-def _adopted(args: argparse.Namespace, diagnosis: dict | None, rig: Rig) -> list[tuple[str, Rig]]:
+def _adopted(content: dict, diagnosis: dict | None, source: str, rig: Rig) -> list[
+        tuple[str, Rig]]:
     """Return the rig with what was found added, and with the formula for the unknown."""
     from hst_drive.diagnose.adopt import adopt
-    from hst_drive.rig import default_rig_file, parse_rig
-    from hst_drive.rig.yaml_file import read_yaml
+    from hst_drive.rig import parse_rig
 
     if not diagnosis:
         return []
-    rig_file = args.rig or str(default_rig_file())
-    source = args.diagnosis or 'diagnosis'
     formula = (diagnosis.get('unknown') or {}).get('formula')
     kinds = ([('with what was found', False)] if diagnosis['effects'] else []) + (
         [('with the formula for the unknown', True)] if formula else [])
-    return [(title, parse_rig(adopt(read_yaml(rig_file), diagnosis, source, rig_file,
+    return [(title, parse_rig(adopt(content, diagnosis, source, rig.source,
                                     formula=with_formula), rig.source))
             for title, with_formula in kinds]

@@ -440,7 +440,7 @@ const Charts = (() => {
     draw('text', {class: 'tick', x: 4, y: 13}, picture, 'error over the noise floor');
     steps.forEach((step, k) => {
       const middle = LEFT + (k + 0.5) * slot;
-      const words = `${k > 1 ? '+ ' : ''}${step.added}`.split(/(?<=[_ ])/);
+      const words = (step.label || `${k > 1 ? '+ ' : ''}${step.added}`).split(/(?<=[_ ])/);
       const lines = [''], fits = Math.max(Math.floor(slot / 7), 7);
       for (const word of words) {
         if ((lines[lines.length - 1] + word).length > fits && lines[lines.length - 1]) lines.push('');

@@ -1,0 +1,309 @@
+// Copyright 2026 hst_drive contributors
+// SPDX-License-Identifier: Apache-2.0
+// The workbench: holds the model, asks the server for curves and errors, and shows them.
+'use strict';
+
+(async () => {
+  const {make} = Controls;
+  const byId = (id) => document.getElementById(id);
+
+  function alert(text) {
+    const close = make('button', {type: 'button', 'aria-label': 'close'}, '×');
+    const line = make('p', {}, make('span', {}, text), close);
+    close.addEventListener('click', () => line.remove());
+    byId('alerts').replaceChildren(line);
+  }
+
+  async function ask(name, content = {}) {
+    let answer;
+    try {
+      answer = await fetch(`api/${name}`, {method: 'POST', body: JSON.stringify(content),
+        headers: {'Content-Type': 'application/json'}});
+    } catch (problem) {
+      throw new Error('The workbench does not answer. Is its terminal still open? Start it again '
+        + 'there: hst-drive workbench');
+    }
+    const found = await answer.json();
+    if (!answer.ok) throw new Error(found.error);
+    return found;
+  }
+
+  const unpack = (entry) => Object.fromEntries(Object.entries(entry).map(([key, value]) => [key,
+    key === 'time' ? Charts.unpack(value) : ['inputs', 'measured', 'model', 'error'].includes(key)
+      ? Object.fromEntries(Object.entries(value).map(([name, text]) =>
+        [name, Charts.unpack(text)])) : value]));
+
+  const given = await ask('start');
+  const measured = new Map(), ghosts = new Map();
+  let model = given.model, startErrors = null, lastErrors = null, fails = null;
+  let past = [];          // models to go back to, each with the label of the change that followed
+  let steps = [];         // rungs of the ladder
+  let label = 'start', busy = false, waiting = false, begun = 0;
+
+  const plots = new Charts.TimePlots(byId('curve-plots'), given.titles);
+  const effects = new Controls.Effects(byId('effects'), given.effects, change);
+
+  function change(next, what) {
+    // A slider that moves makes one step, not hundreds.
+    const same = past.length && past[past.length - 1].what === what && what.includes(':');
+    if (!same) past.push({model, what});
+    model = next;
+    label = what;
+    begun = performance.now();
+    paintModel();
+    update();
+  }
+
+  function paintModel() {
+    effects.show(model);
+    byId('undo').disabled = !past.length;
+    const rows = Object.entries(model.factors).filter(([, factor]) => Math.abs(factor - 1) > 1e-6);
+    byId('factors-box').hidden = !rows.length;
+    const clear = make('button', {type: 'button'}, 'back to the datasheet');
+    clear.addEventListener('click', () => change({...model, factors: {}}, '− calibration'));
+    byId('factors').replaceChildren(make('table', {}, make('tbody', {}, ...rows.map(
+      ([key, factor]) => make('tr', {}, make('th', {scope: 'row'}, key),
+        make('td', {class: 'n'}, factor.toFixed(4)))))), clear);
+  }
+
+  // First what one replay tells, then the numbers of compare. One question at a time; what
+  // changed meanwhile is asked when the answer is there.
+  async function update() {
+    if (busy) { waiting = true; return; }
+    busy = true;
+    do {
+      waiting = false;
+      const asked = model, what = label, since = begun;
+      const seconds = () => ((performance.now() - since) / 1000).toFixed(2);
+      byId('error-table').classList.add('stale');
+      try {
+        let told = '';
+        const log = Number(byId('log').value);
+        if (since && measured.has(log)) {
+          const near = await ask('quick', {model: asked, log});
+          if (near.curves) plots.show(measured.get(log), unpack(near.curves), ghost(log));
+          showErrors(near.signals, '≈ ');
+          await new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+          told = `Shown in ${seconds()} s`;
+          byId('took').textContent = `${told}.`;
+          document.body.dataset.took = seconds();
+        }
+        if (waiting) continue;
+        await showLog(asked);
+        if (waiting) continue;
+        const found = await ask('errors', {model: asked});
+        byId('alerts').replaceChildren();
+        if (found.lost.length) alert(found.lost.join(' · '));
+        showErrors(found.signals, '');
+        step(found.signals, what);
+        if (told) byId('took').textContent = `${told}, as compare counts in ${seconds()} s.`;
+        if (!waiting) await showWhere(asked);
+        document.body.dataset.shown = JSON.stringify(asked);
+      } catch (problem) {
+        alert(problem.message);
+        document.body.dataset.failed = problem.message;
+      }
+    } while (waiting);
+    busy = false;
+  }
+
+  const ghost = (log) => (byId('ghost').checked ? ghosts.get(log) : null);
+
+  async function showLog(asked) {
+    const log = Number(byId('log').value);
+    const found = await ask('log', {model: asked, log, measured: !measured.has(log)});
+    if (found.log) measured.set(log, unpack(found.log));
+    if (!ghosts.has(log)) {
+      const first = JSON.stringify(asked) === JSON.stringify(given.model) ? found
+        : byId('ghost').checked ? await ask('log', {model: given.model, log}) : null;
+      if (first) ghosts.set(log, unpack(first.curves));
+    }
+    plots.show(measured.get(log), unpack(found.curves), ghost(log));
+  }
+
+  function showErrors(signals, about) {
+    const first = startErrors || signals, before = lastErrors || signals;
+    const ratio = (value) => {
+      const kind = value <= 1.25 ? 'good' : value <= 2 ? 'fair' : 'bad';
+      return make('span', {class: `ratio ${kind}`}, Charts.number(value));
+    };
+    const rows = Object.entries(signals).map(([name, entry]) => {
+      const {title, unit} = given.titles[name];
+      const moved = entry.held === undefined ? 0 : entry.held - before[name].held;
+      const arrow = Math.abs(moved) < 0.005 ? '' : moved < 0 ? ' ↓' : ' ↑';
+      return make('tr', {'data-signal': name, 'data-ratio': String(entry.ratio)},
+        make('th', {scope: 'row'}, title),
+        make('td', {class: 'n'}, about, ratio(entry.ratio)),
+        make('td', {class: 'n'}, Charts.number(entry.training)),
+        make('td', {class: 'n held'}, Charts.number(entry.held),
+          make('span', {class: moved < 0 ? 'down' : 'up'}, arrow)),
+        make('td', {class: 'n'}, Charts.number(first[name].held)),
+        make('td', {class: 'n'}, entry.rmse === undefined ? '' : `${Charts.number(entry.rmse)} ${unit}`));
+    });
+    byId('error-table').replaceChildren(make('table', {}, make('thead', {}, make('tr', {},
+      ...['signal', 'all', 'training', 'held out', 'held out at the start', 'rmse'].map(
+        (text, k) => make('th', {scope: 'col', class: k ? 'n' : ''}, text)))),
+    make('tbody', {}, ...rows)));
+    byId('error-table').classList.toggle('stale', about !== '' );
+  }
+
+  // A rung of the ladder.
+  function step(signals, what) {
+    startErrors = startErrors || signals;
+    lastErrors = signals;
+    const column = (part) => Object.fromEntries(Object.entries(signals).map(([name, entry]) =>
+      [name, entry[part]]));
+    const rung = {label: what, added: what, training: column('training'), holdout: column('held')};
+    const same = steps.length > 1 && steps[steps.length - 1].label === what && what.includes(':');
+    if (same) steps[steps.length - 1] = rung;
+    else if (!steps.length || steps[steps.length - 1].label !== what) steps.push(rung);
+    paintLadder();
+  }
+
+  function paintLadder() {
+    const most = byId('ladder-plot').clientWidth < 500 ? 4 : 9;
+    const shown = steps.length > most ? [steps[0], ...steps.slice(1 - most)] : steps;
+    if (shown.length) Charts.ladder(byId('ladder-plot'), shown, given.titles);
+  }
+
+  async function showWhere(asked) {
+    const found = await ask('where', {model: asked});
+    fails = found.fails;
+    const choice = byId('where-signal');
+    if (!choice.options.length) {
+      const worst = Object.entries(lastErrors).sort((a, b) => b[1].ratio - a[1].ratio)[0][0];
+      choice.append(...found.signals.map((name) => make('option', {value: name},
+        given.titles[name].title)));
+      choice.value = worst;
+    }
+    paintWhere();
+  }
+
+  function paintWhere() {
+    const signal = byId('where-signal').value;
+    if (!fails || !fails[signal]) return;
+    Charts.map(byId('map'), fails[signal].map, given.titles);
+    Charts.strips(byId('strips'), fails[signal], signal, given.titles);
+  }
+
+  async function job(name, content, done) {
+    const box = byId('job');
+    const stop = make('button', {type: 'button'}, 'Stop');
+    const words = make('span', {}, 'starting');
+    try {
+      await ask(name, content);
+    } catch (problem) {
+      alert(problem.message);
+      return;
+    }
+    for (const id of ['fit', 'diagnose']) byId(id).disabled = true;
+    stop.addEventListener('click', () => ask('stop').catch((problem) => alert(problem.message)));
+    box.replaceChildren(make('progress', {}), ' ', words, ' ', stop);
+    box.hidden = false;
+    try {
+      for (;;) {
+        const state = await ask('job');
+        words.textContent = `${state.progress} (${Math.round(state.seconds)} s)`;
+        if (state.state !== 'running') {
+          if (state.state === 'done') done(state.result); else alert(state.error);
+          break;
+        }
+        await new Promise((resolve) => { setTimeout(resolve, 150); });
+      }
+    } catch (problem) {
+      alert(problem.message);
+    }
+    box.hidden = true;
+    for (const id of ['fit', 'diagnose']) byId(id).disabled = false;
+  }
+
+  function fit() {
+    const locked = [...effects.locked].map((key) => key.split('\n'));
+    job('fit', {model, locked, unit: byId('unit').checked}, (found) => change(found, 'fit'));
+  }
+
+  function diagnose() {
+    job('diagnose', {model}, (found) => {
+      const box = byId('found');
+      const body = make('div', {});
+      body.innerHTML = found.badge + found.cards;     // escaped where it was made
+      const close = make('button', {type: 'button'}, 'Close');
+      close.addEventListener('click', () => { box.hidden = true; });
+      const buttons = found.offers.map((offer) => {
+        const made = make('button', {type: 'button', class: 'offer'}, offer.title);
+        made.addEventListener('click', () => change(offer.model, offer.title));
+        return made;
+      });
+      box.replaceChildren(make('p', {class: 'sentence'}, found.sentence),
+        make('p', {class: 'controls'}, ...buttons, close), body);
+      box.hidden = false;
+      box.scrollIntoView({block: 'nearest'});
+    });
+  }
+
+  function undo() {
+    if (!past.length) return;
+    const {model: before} = past.pop();
+    model = before;
+    if (steps.length > 1) steps.pop();
+    label = steps.length ? steps[steps.length - 1].label : 'start';
+    begun = performance.now();
+    paintModel();
+    update();
+  }
+
+  async function save() {
+    try {
+      const {path, command} = await ask('save', {model, name: byId('name').value});
+      byId('kept').replaceChildren(`Saved ${path}. `, command ? 'The same numbers: ' : '',
+        make('code', {}, command));
+    } catch (problem) {
+      alert(problem.message);
+    }
+  }
+
+  async function copy() {
+    try {
+      const {command} = await ask('command', {model});
+      const text = make('textarea', {rows: 4, readOnly: true, 'aria-label': 'command line'});
+      text.value = command;
+      byId('kept').replaceChildren('Copied; run it where the logs are. ', text);
+      await navigator.clipboard.writeText(command).catch(() => {
+        byId('kept').firstChild.textContent = 'Copy this: ';
+        text.select();
+      });
+    } catch (problem) {
+      alert(problem.message);
+    }
+  }
+
+  byId('rig').textContent = given.rig;
+  given.logs.forEach((log, place) => byId('log').append(make('option', {value: String(place)},
+    log.name + (log.held ? ' (held out)' : ''))));
+  byId('log-label').hidden = given.logs.length < 2;
+  const notes = given.logs.flatMap((log) => log.notes.map((text) => `${log.name}: ${text}`));
+  for (const [id, act] of [['fit', fit], ['diagnose', diagnose], ['undo', undo], ['save', save],
+    ['copy', copy], ['reset', () => { change(given.model, 'start over'); steps = []; }],
+    ['in', () => plots.zoomBy(0.5)], ['out', () => plots.zoomBy(2)],
+    ['all', () => plots.zoom(...plots.full)]]) byId(id).addEventListener('click', act);
+  byId('log').addEventListener('change', () => update());
+  byId('ghost').addEventListener('change', () => update());
+  byId('where-signal').addEventListener('change', paintWhere);
+  byId('filter').addEventListener('input', () => effects.find(byId('filter').value));
+  addEventListener('resize', () => { paintWhere(); paintLadder(); });
+  addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey
+        || event.target.closest('input, select, textarea')) return;
+    const act = {f: fit, d: diagnose, u: undo}[event.key.toLowerCase()];
+    if (act) { act(); event.preventDefault(); }
+  });
+  if (given.guided) {
+    Guide.start(byId('guide'), (id) => effects.toggle(id, !(id in model.effects)));
+  }
+  paintModel();
+  await update();
+  if (notes.length) alert(notes.join(' · '));
+  document.body.dataset.ready = 'yes';
+})().catch((problem) => {
+  document.getElementById('alerts').textContent = problem.message;
+});

@@ -1,0 +1,256 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the page asks for: curves and errors of a model, a fit, a diagnosis, a rig file."""
+from __future__ import annotations
+
+from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
+import copy
+import math
+import os
+from pathlib import Path
+from threading import Lock
+from typing import Callable, Iterable, Sequence
+
+from hst_drive.diagnose.adopt import adopt
+from hst_drive.diagnose.campaign import Model
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.fit import fit
+from hst_drive.diagnose.part import campaign_of
+from hst_drive.effects import catalogue
+from hst_drive.measure.compare import compare, LogComparison, model_of
+from hst_drive.measure.run import Run
+from hst_drive.workbench.errors import pooled
+from hst_drive.workbench.state import Base, PageModel
+import numpy as np
+
+_REMEMBERED = 64            # comparisons of a log of a minute; fewer of longer ones
+_SAMPLES = 500_000
+_FIT_STEPS = 6
+
+
+class Workbench:
+    """
+    Logs and a rig, and what models of the rig make of the logs.
+
+    Parameters
+    ----------
+    base : Base
+        The rig.
+    runs, holdout : sequence of Run
+        Without ``holdout`` a third of each log is held out.
+    as_json : callable
+        Turns a diagnosis into the JSON of the verb diagnose.
+
+    """
+
+    def __init__(self, base: Base, runs: Sequence[Run], holdout: Sequence[Run],
+                 as_json: Callable[..., dict]):
+        self.base = base
+        self.training, self.holdout = list(runs), list(holdout)
+        self.runs = [*runs, *holdout]
+        self._as_json = as_json
+        self._known: OrderedDict[tuple[str, int], LogComparison] = OrderedDict()
+        self._lock = Lock()
+        self._pool = ThreadPoolExecutor(max(os.cpu_count() or 1, 1))
+        longest = max(len(run) for run in self.runs)
+        self._room = max(2, min(_REMEMBERED, _SAMPLES // longest)) * len(self.runs)
+        self._stamps = {run.source: _stamp(run.source) for run in self.runs if run.source}
+        self.campaign = campaign_of(base.bare, runs, holdout)
+        self.compared(base.start, range(len(self.runs)))
+
+    def compared(self, model: PageModel, places: Iterable[int]) -> list[LogComparison]:
+        """Return logs (by place) beside a model: what compare gives for each."""
+        rig = self.base.rig(model)
+        drive = model_of(rig, self.runs)
+        key = model.key
+
+        def one(place: int) -> LogComparison:
+            with self._lock:
+                if (key, place) in self._known:
+                    self._known.move_to_end((key, place))
+                    return self._known[key, place]
+            found = compare(drive, [self.runs[place]]).logs[0]
+            with self._lock:
+                self._known[key, place] = found
+                while len(self._known) > self._room:
+                    self._known.popitem(last=False)
+            return found
+
+        return list(self._pool.map(one, places))
+
+    def quick(self, model: PageModel, place: int) -> tuple[LogComparison | None, dict]:
+        """
+        Return a log beside a model, and the errors over all logs, after one replay of each.
+
+        With longer steps than compare takes and with the floor of the rig that was given, so that
+        'ratio' is near that of compare, while 'training' and 'held' are those of ``errors``. The
+        log is None where compare sees it in other samples.
+        """
+        self.base.rig(model)
+        campaign = self.campaign
+        errors = campaign.errors(_campaign_model(model))
+        found = {name: {'ratio': math.sqrt(total / count)} for name, (total, count)
+                 in self._squares(errors).items() if count}
+        self._judge(found, errors)
+        known = self.compared(self.base.start, [place])[0]
+        columns = {column.signal: (error, column) for error, column
+                   in zip(errors, campaign.columns) if column.log == place}
+        if any(len(error) != len(known.run) for error, _ in columns.values()):
+            return None, found
+        signals, given = {}, {}
+        for name, (error, column) in columns.items():
+            difference = error / column.scale
+            given[name] = known.run[name] + difference
+            signals[name] = known.signals[name]._replace(
+                noise_ratio=float(np.sqrt(np.nanmean(np.where(
+                    np.isfinite(known.run[name]), error, np.nan)**2))))
+        return known._replace(model=given, signals=signals), found
+
+    def _squares(self, errors: list[np.ndarray]) -> dict[str, tuple[float, int]]:
+        """Return the sum of the squared noise ratios and the count of samples, by signal."""
+        totals: dict[str, tuple[float, int]] = {}
+        for error, column in zip(errors, self.campaign.columns):
+            measured = self.campaign.replays[column.log].run[column.signal]
+            valid = error[np.isfinite(measured)]
+            total, count = totals.get(column.signal, (0.0, 0))
+            totals[column.signal] = (total + float(valid @ valid), count + len(valid))
+        return totals
+
+    def _judge(self, found: dict[str, dict], errors: list[np.ndarray]) -> None:
+        """Add the noise ratios that diagnose judges by."""
+        for part, held in (('training', False), ('held', True)):
+            for name, ratio in self.campaign.ratios(errors, held).items():
+                if name in found:
+                    found[name][part] = ratio
+
+    def errors(self, model: PageModel) -> dict:
+        """
+        Return the errors of a model over all logs.
+
+        Returns
+        -------
+        dict
+            By signal: 'ratio', 'rmse', 'bias', 'floor' of compare, and 'training' and 'held', the
+            noise ratios that diagnose judges by.
+
+        """
+        found = pooled(self.compared(model, range(len(self.runs))))
+        self._judge(found, self.campaign.errors(_campaign_model(model)))
+        return found
+
+    def fit(self, model: PageModel, locked: Iterable[tuple[str, str]], unit: bool,
+            progress: Callable[[str], None]) -> PageModel:
+        """
+        Fit the parameters of the effects that are on.
+
+        Parameters
+        ----------
+        model : PageModel
+            Where to start.
+        locked : iterable of (str, str)
+            Effect and parameter that stay.
+        unit : bool
+            Calibrate the unit within its tolerances as well; otherwise its factors stay.
+        progress : callable
+            Called with a text; may raise to stop.
+
+        """
+        self.base.rig(model)
+        held = set(locked)
+        campaign = copy.copy(self.campaign)
+        fits, driver, errors = campaign.fits, campaign.driver, campaign.errors
+        campaign.fits = lambda name, key: (name, key) not in held and fits(name, key)
+        count = 0
+
+        def watched(*args, **kwargs):
+            nonlocal count
+            count += 1
+            progress(f'fitting: {count} replays')
+            return errors(*args, **kwargs)
+
+        campaign.errors = watched
+        start = _campaign_model(model)
+        if not unit:
+            campaign.tolerances = {}
+            campaign.driver = lambda trial: driver(Model(
+                trial.effects, {**start.factors, **trial.factors}))
+            # `errors` was bound before: bind it to the campaign that keeps the factors.
+            errors = type(campaign).errors.__get__(campaign)
+        found = fit(campaign, start, iterations=_FIT_STEPS).model
+        factors = found.factors if unit else start.factors
+        return PageModel(found.effects, {key: math.exp(value) for key, value in factors.items()
+                                         if value})
+
+    def diagnose(self, model: PageModel, progress: Callable[[str], None]) -> dict:
+        """Say what the model still lacks, and which models take it over."""
+        mapping = self.base.mapping(model)
+        rig = self.base.rig(model)
+        found = self._as_json(diagnose(rig, self.training, self.holdout, progress=progress))
+        offers = []
+        formula = (found.get('unknown') or {}).get('formula')
+        for title, with_formula, there in (('add what was found', False, found['effects']),
+                                           ('add the formula as well', True, formula)):
+            if there:
+                adopted = adopt(mapping, found, 'diagnosis', found['rig'], formula=with_formula)
+                offers.append({'title': title,
+                               'model': self.base.model_of(adopted).as_json()})
+        if not found['effects']:
+            # Within the tolerances of the datasheet the unit itself may explain the rest.
+            factors = {entry['quantity']: entry['factor'] for entry in found['calibration']}
+            offers.insert(0, {'title': 'take over the calibration of the unit', 'model': PageModel(
+                model.effects, {key: model.factors.get(key, 1.0) * factors.get(key, 1.0)
+                                for key in {**model.factors, **factors}}).as_json()})
+        return {'diagnosis': found, 'offers': offers}
+
+    def rig_file(self, model: PageModel) -> dict:
+        """Return the mapping of the rig file of a model, with its provenance."""
+        made = self.base.mapping(model)
+        self.base.rig(model)
+        held = {name: entry.get('held') for name, entry in self.errors(model).items()}
+        past = list((made.get('provenance') or {}).get('adopted', []))
+        made['provenance'] = {'adopted': [*past, {
+            'workbench': 'set by hand or fitted on the workbench',
+            'logs': [run.source for run in self.runs], 'held_out_noise_ratio': held}]}
+        return made
+
+    def lost(self) -> list[str]:
+        """Say which log files have gone or changed since they were read."""
+        lines = []
+        for source, before in self._stamps.items():
+            now = _stamp(source)
+            if before is not None and now != before:
+                lines.append(f'{source}: has {"gone" if now is None else "changed"} since it was '
+                             'read; what is shown is what was read at the start')
+        return lines
+
+
+def parameters() -> list[dict]:
+    """Return the catalogue for the page: effects with their parameters, in SI and for people."""
+    from hst_drive.effects import SLOTS
+    from hst_drive.units import for_people
+
+    order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
+    effects = sorted(catalogue().values(), key=lambda effect: order.index(effect.enters))
+    return [{
+        'id': effect.id, 'title': effect.title, 'enters': effect.enters,
+        'equation': effect.equation, 'telltale': effect.telltale, 'source': effect.source,
+        'parameters': [{
+            'name': entry.name, 'meaning': entry.meaning, 'fixed': entry.fixed,
+            'low': entry.low, 'high': entry.high, 'typical': entry.typical,
+            'neutral': entry.neutral, 'unit': for_people(1.0, entry.unit)[1],
+            'per': for_people(1.0, entry.unit)[0]} for entry in effect.parameters],
+    } for effect in effects]
+
+
+def _campaign_model(model: PageModel) -> Model:
+    return Model({name: dict(values) for name, values in model.effects.items()},
+                 {key: math.log(value) for key, value in model.factors.items()})
+
+
+def _stamp(source: str) -> tuple[int, int] | None:
+    try:
+        state = Path(source).stat()
+    except OSError:
+        return None
+    return state.st_mtime_ns, state.st_size
