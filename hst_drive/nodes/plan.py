@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from hst_drive.errors import InputError
@@ -102,6 +103,7 @@ def make_plan(options: Options) -> Plan:
     if output.exists():
         raise InputError(f'{output}: exists already; bags are not overwritten: choose another '
                          'name with -o or remove it')
+    _refuse_unwritable(output)
     effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
     wiring.readings(options.topics)
     rig_file = str(Path(options.rig).resolve()) if options.rig else ''
@@ -132,6 +134,17 @@ def make_plan(options: Options) -> Plan:
     }
     return Plan(parameters=parameters, output=output, duration=duration, notes=scenario.notes,
                 title=scenario.title, closed_loop=scenario.mode == 'closed_loop')
+
+
+def _refuse_unwritable(folder: Path) -> None:
+    """Raise InputError if the folder cannot be made: better told before the nodes start."""
+    above = next(path for path in folder.absolute().parents if path.exists())
+    try:
+        with TemporaryDirectory(dir=above):
+            pass
+    except OSError as error:
+        raise InputError(f'{folder}: cannot be made ({error.strerror}); name one with -o in a '
+                         'folder that you may write to') from None
 
 
 def _start(rig: Rig, effects, scenario: Scenario) -> tuple[float, float, float]:

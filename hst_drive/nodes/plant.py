@@ -77,9 +77,7 @@ class Plant(DriveNode):
         self._early: dict[tuple[str, int], float] = {}
         self._unready = {name for name in self.partners if name != self.role}
         self._unanswered: set[str] = set()
-        self._asked = -1
-        self._finishing = False
-        self._running = False
+        self._asked, self._finishing, self._running = -1, False, False
         self._times = np.array([0.0, self._period / BILLION])
         # Compiled code is loaded when it is first called: now, not in the first sample.
         self._drive.advance(self._state, 1e-3, pump_command=0.0, pprv_command=0.0)
@@ -177,8 +175,11 @@ class Plant(DriveNode):
             self._sample()
 
     def _set(self, name: str, value: float) -> None:
-        if math.isfinite(value):
-            self._inputs[_INPUTS[name]] = value
+        if not math.isfinite(value):
+            self.get_logger().warning(f'{name} is {value}: {self._inputs[_INPUTS[name]]:g} '
+                                      'is held', throttle_duration_sec=5.0)
+            return
+        self._inputs[_INPUTS[name]] = value
 
     def _next_step(self) -> None:
         """Go one step on in lockstep, unless a partner is too far behind."""
@@ -273,7 +274,8 @@ class Plant(DriveNode):
         if self.settings['progress'] and (last or now - self._told >= _PROGRESS):
             self._told = now
             seconds = (self._step + 1) * self._period / BILLION
-            print(f'progress {seconds:.2f} {now - self._began:.3f}', flush=True)
+            print(f'progress {seconds:.2f} {now - self._began:.3f}{" end" if last else ""}',
+                  flush=True)
 
     def _watch(self) -> None:
         """In lockstep, give up when a partner does not answer, and say which."""

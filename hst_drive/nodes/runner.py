@@ -44,7 +44,7 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
     """
     _ = bag.BagWriter   # says what to install where bags cannot be written
     signals: list[int] = []
-    progress = {'time': 0.0, 'wall': 0.0, 'messages': 0}
+    progress = {'time': 0.0, 'wall': 0.0, 'messages': 0, 'end': False}
     before = {number: signal.signal(number, lambda got, _: signals.append(got))
               for number in (signal.SIGINT, signal.SIGTERM)}
     died = None
@@ -56,6 +56,8 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
                     on_progress(progress['time'], progress['wall'], False)
                     time.sleep(0.05)
                 on_progress(progress['time'], progress['wall'], True)
+                if not (signals or progress['end']):
+                    raise NodeDied('plant', 0, session.nodes['plant'].heard())
             except NodeDied as problem:
                 died = problem
             session.stop()
@@ -70,7 +72,8 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
 def _hear(progress: dict, name: str, line: str) -> None:
     word, *numbers = line.split()
     if name == 'plant' and word == 'progress':
-        progress['time'], progress['wall'] = map(float, numbers)
+        progress['time'], progress['wall'] = map(float, numbers[:2])
+        progress['end'] = numbers[2:] == ['end']
     elif name == 'recorder' and word == 'recorded':
         progress['messages'] = int(numbers[0])
 

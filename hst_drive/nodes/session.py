@@ -37,7 +37,7 @@ class NodeDied(Exception):
         self.reason = next((line for line in reversed(lines) if 'Error' in line),
                            lines[-1] if lines else '')
         how = (f'was killed by {signal.Signals(-code).name}' if code < 0
-               else f'ended with exit code {code}')
+               else f'ended with exit code {code}' if code else 'ended before the run did')
         super().__init__(f'node {name} {how}')
 
 
@@ -203,7 +203,10 @@ class Session:
         for name, code in codes.items():
             if code is not None and (code or name != 'plant'):
                 raise NodeDied(name, code, self.nodes[name].heard())
-        return codes['plant'] is not None
+        if codes['plant'] is None:
+            return False
+        self.nodes['plant'].heard()     # all that it has said is passed on
+        return True
 
     def stop(self) -> dict[str, int]:
         """End all nodes, the recorder last so that it takes in everything; return exit codes."""

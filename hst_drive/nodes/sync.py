@@ -53,6 +53,7 @@ class Sync:
 
     def __init__(self, node, on_said: Callable[[str, str, int, dict[str, int]], None]):
         topic = TOPICS['sync']
+        self._node = node
         self._name = node.role
         self._on_said = on_said
         self.publisher = node.create_publisher(
@@ -69,9 +70,17 @@ class Sync:
 
     def _received(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name != self._name:
+            if status.name == self._name:
+                continue
+            try:
                 numbers = {value.key: int(value.value) for value in status.values}
-                self._on_said(status.name, status.message, numbers.pop('stamp'), numbers)
+                stamp = numbers.pop('stamp')
+            except (KeyError, ValueError):
+                self._node.get_logger().warning(
+                    f"{self.subscription.topic_name}: what '{status.name}' says is not ours; left "
+                    'out', throttle_duration_sec=5.0)
+                continue
+            self._on_said(status.name, status.message, stamp, numbers)
 
 
 class Answers:

@@ -39,6 +39,17 @@ def test_a_node_that_dies_ends_the_run_and_the_bag_is_whole(tmp_path, victim):
     assert len(read_log(bag)) > 20
 
 
+def test_a_plant_that_is_told_to_stop_ends_the_run_as_a_failure(tmp_path):
+    import os
+    process, nodes, bag = begin(tmp_path)
+    os.kill(nodes['plant'], signal.SIGINT)
+    _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert 'node plant ended before the run did' in err and str(bag) in err
+    assert 'Traceback' not in err and not any(map(alive, nodes.values()))
+    assert len(read_log(bag)) > 20
+
+
 def test_a_killed_recorder_leaves_a_bag_that_can_be_saved(tmp_path):
     import os
     process, nodes, bag = begin(tmp_path)

@@ -126,3 +126,45 @@ def test_a_plant_alone_publishes_in_real_time(client):
     stamps = [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in got]
     assert {later - sooner for sooner, later in zip(stamps, stamps[1:])} == {5_000_000}
     assert got[0].name == ['motor'] and len(got[0].velocity) == len(got[0].effort) == 1
+
+
+def test_a_command_that_is_no_number_is_told_and_the_last_one_held(client):
+    from geometry_msgs.msg import Vector3Stamped
+    from sensor_msgs.msg import JointState
+
+    got = []
+    heard = client[0].create_subscription(JointState, '/drive/motor', got.append, 1000)
+    tell = client[0].create_publisher(Vector3Stamped, '/drive/pump_command', 100)
+    message = Vector3Stamped()
+    with node('plant') as process:
+        wait_for(tell.get_subscription_count)
+        for value in (6.0, float('nan'), float('inf')):
+            message.vector.x = value
+            tell.publish(message)
+        del got[:]
+        while len(got) < 100:
+            client[2].spin_once(timeout_sec=1.0)
+    client[0].destroy_publisher(tell)
+    client[0].destroy_subscription(heard)
+    assert got[-1].velocity[0] > 5
+    # The second within five seconds is not told again.
+    assert process.err.count('pump_command is nan: 6 is held') == 1
+    assert 'Traceback' not in process.err
+
+
+@pytest.mark.parametrize('pairs', [[('stamp', 'now')], [('phase', '1')], [('stamp', '')]])
+def test_foreign_talk_on_sync_is_told_and_left_out(client, pairs):
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+    tell = client[0].create_publisher(DiagnosticArray, '/drive/sync', 100)
+    status = DiagnosticStatus(name='stranger', message='done', values=[
+        KeyValue(key=key, value=value) for key, value in pairs])
+    with node('plant') as process:
+        wait_for(tell.get_subscription_count)
+        tell.publish(DiagnosticArray(status=[status]))
+        asked, answer = parameters_of(client, 'plant'), client[1]
+        assert answer(asked.list_parameters()).result.names
+        assert process.poll() is None
+    client[0].destroy_publisher(tell)
+    assert "what 'stranger' says is not ours" in process.err
+    assert 'Traceback' not in process.err

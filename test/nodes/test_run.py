@@ -140,6 +140,7 @@ def test_real_time_keeps_the_clock(tmp_path):
     (('paper_step', '--json', 'nowhere/a.json'), ('nowhere/a.json', 'cannot be written')),
     (('paper_step', '--rig', 'nowhere.yaml'), ('nowhere.yaml',)),
     (('paper_step', '-o', '.'), ('exists already',)),
+    (('paper_step', '-o', '/proc/no/bag'), ('/proc/no/bag', 'cannot be made', '-o')),
 ])
 def test_wrong_input_is_refused_before_anything_starts(arguments, words, tmp_path):
     output = () if '-o' in arguments else ('-o', str(tmp_path / 'bag'))
