@@ -13,6 +13,7 @@ import numpy as np
 
 # Okabe and Ito's colours, told apart by colour-blind readers.
 MEASURED, MODEL, RESIDUAL = '#000000', '#D55E00', '#0072B2'
+LEFT_OUT = '#F7F3C8'
 
 
 def _pyplot():
@@ -59,12 +60,14 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
         bottom.axhspan(-2 * floor, 2 * floor, color='0.85', zorder=0)
         spread = np.nanmax(np.abs(difference_from_si(model - measured, channel.display)))
         bottom.set_ylim(-1.05 * max(spread, 2 * floor), 1.05 * max(spread, 2 * floor))
-        bottom.set_ylabel('error', fontsize=7)
+        bottom.set_ylabel(f'error\n[{channel.display}]', fontsize=6.5)
         for axis in (top, bottom):
+            for span in log.judged.left_out:
+                axis.axvspan(span.start, span.end, color=LEFT_OUT, zorder=0, lw=0)
             axis.tick_params(labelsize=7)
             axis.grid(alpha=0.25, lw=0.4)
-    axes[0, 0].set_title(f'{log.run.name}: measured and model (grey: twice the floor)',
-                         fontsize=9, loc='left')
+    shaded = 'grey: twice the floor' + ('; yellow: left out' if log.judged.left_out else '')
+    axes[0, 0].set_title(f'{log.run.name}: measured and model ({shaded})', fontsize=9, loc='left')
     axes[0, 0].legend(loc='lower right', bbox_to_anchor=(1, 1.0), ncol=2, fontsize=7,
                       frameon=False, borderpad=0.1)
     axes[-1, 0].set_xlabel('time [s]', fontsize=8)

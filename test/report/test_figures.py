@@ -45,3 +45,15 @@ def test_without_matplotlib(log, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, 'matplotlib', None)
     with pytest.raises(InputError, match="matplotlib is not installed; plots need it: 'pip inst"):
         comparison_figure(log, tmp_path / 'a.png')
+
+
+def test_every_axis_says_its_unit(log, tmp_path, monkeypatch):
+    pyplot = pytest.importorskip('matplotlib.pyplot')
+    figures = []
+    monkeypatch.setattr(pyplot, 'close', figures.append)
+    comparison_figure(log, tmp_path / 'a.png')
+    labels = [axis.get_ylabel() for axis in figures[0].axes]
+    assert len(labels) == 2 * len(log.signals)
+    for top, bottom in zip(labels[::2], labels[1::2]):
+        assert bottom == f"error\n{top.partition(chr(10))[2]}" and bottom.endswith(']')
+    assert figures[0].axes[-1].get_xlabel() == 'time [s]'
