@@ -6,7 +6,8 @@ The drive as equations; ``compose`` turns this text into the code that runs.
 A line ``# slot NAME`` is where the terms of the effects enter: ``compose`` puts one guarded
 line per effect there. Everything is scalar, so that the same text runs in plain Python and
 compiled by numba. Without effects this file is the baseline, Eqs. (1) to (8) of the
-drill-drive paper.
+drill-drive paper. It is long because it is one text: compiled code calls no file of its own, and
+the balances are read side by side.
 """
 import math
 

@@ -55,5 +55,6 @@ def test_every_axis_says_its_unit(log, tmp_path, monkeypatch):
     labels = [axis.get_ylabel() for axis in figures[0].axes]
     assert len(labels) == 2 * len(log.signals)
     for top, bottom in zip(labels[::2], labels[1::2]):
-        assert bottom == f"error\n{top.partition(chr(10))[2]}" and bottom.endswith(']')
+        unit = top.partition('\n')[2]
+        assert unit.startswith('[') and bottom == f'error\n{unit}'
     assert figures[0].axes[-1].get_xlabel() == 'time [s]'
