@@ -10,9 +10,10 @@ does not reach the sensor noise; ``Replay.floor`` is what it would reach.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Mapping, NamedTuple
 
 from hst_drive.errors import InputError
+from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
 from hst_drive.measure.run import Run
 from hst_drive.measure.start import first_state
@@ -26,6 +27,7 @@ SIGNALS: tuple[str, ...] = (
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
 _SLOW = 1.0     # s: slower parts of the unexplained torque are taken as they are
 _DRAWS = 3
+_EVENT = 2.0    # s
 _STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
@@ -81,7 +83,9 @@ class Replay:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
                              f'{", ".join(SIGNALS)}')
         time = run.time
-        self.inputs = {name: filled(run[name], hold=True) for name in INPUTS}
+        self._steps = controller_steps(time, {name: filled(run[name], hold=True)
+                                              for name in INPUTS})
+        self.inputs = {name: steps.values for name, steps in self._steps.items()}
         if 'motor_speed' in run:
             turned = np.diff(time) * filled(run['motor_speed'])[:-1]
             self.inputs['motor_angle'] = np.concatenate([[0.0], np.cumsum(turned)])
@@ -157,8 +161,9 @@ class Replay:
             self.inputs['oil_temperature']))
         return drive.load_torque(time, command, speed, temperature)[::self._parts]
 
-    def _simulate(self, drive: Drive, disturbance: np.ndarray) -> dict[str, np.ndarray]:
-        inputs = {**self.inputs, 'load_disturbance': disturbance}
+    def _simulate(self, drive: Drive, disturbance: np.ndarray,
+                  commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
+        inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
         signals = drive.simulate(
             self._finer(self.run.time),
             {name: self._finer(values, name in INPUTS) for name, values in inputs.items()},
@@ -256,7 +261,8 @@ class Replay:
         inputs = {name: float(values[0]) for name, values in self.inputs.items()}
         return first_state(drive, first, inputs, self.torque)
 
-    def predict(self, drive: Drive, extra: np.ndarray | None = None) -> Prediction:
+    def predict(self, drive: Drive, extra: np.ndarray | None = None,
+                commands: Mapping[str, np.ndarray] = {}) -> Prediction:
         """
         Replay the recording.
 
@@ -266,11 +272,13 @@ class Replay:
             The model.
         extra : ndarray, shape (n,), optional
             Torque added to the load, N.m.
+        commands : mapping of str to ndarray, optional
+            Commands in place of the recorded ones, V.
 
         """
         disturbance = self.disturbance(drive)
         total = disturbance if extra is None else disturbance + extra
-        signals = self._simulate(drive, total)
+        signals = self._simulate(drive, total, commands)
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             load = self._load_model(drive)
@@ -296,10 +304,11 @@ class Replay:
         """
         Return the rmse, by signal, that a perfect model would still show.
 
-        Sensor noise, and what the part of the load torque that the smoothing misses does to the
-        replay: draws of that part are replayed. Where no torque is measured the roughness of the
-        load is not known; then what varies faster than about a second and is coloured counts as
-        its work. ``count`` says which samples are judged, all unless given.
+        Sensor noise, and what the part of the load torque that the smoothing misses, and commands
+        that no row shows, do to the replay: draws of them are replayed. Where no torque is
+        measured the roughness of the load is not known; then what varies faster than about a
+        second and is coloured counts as its work. ``count`` says which samples are judged, all
+        unless given.
 
         """
         floor = {name: self.noise[name]**2 for name in self.signals}
@@ -319,7 +328,26 @@ class Replay:
                         shift = (moved[name] - base[name])[slice(None) if count is None else count]
                         floor[name] += float(np.nanmean(shift**2)) / _DRAWS
             floor[self.torque] += self.roughness.std**2
+        if any(steps.guessed for steps in self._steps.values()):
+            for name, power in self._power_of_guesses(drive, seed).items():
+                floor[name] += power
         return {name: float(np.sqrt(value)) for name, value in floor.items()}
+
+    def _power_of_guesses(self, drive: Drive, seed: int) -> dict[str, float]:
+        """Return the squared error, by signal, that commands make which no row shows."""
+        base = self.predict(drive).signals
+        random = np.random.default_rng(seed)
+        block = ((self.run.time - self.run.time[0]) / _EVENT).astype(int)
+        count = np.bincount(block)
+        power = dict.fromkeys(base, 0.0)
+        for _ in range(_DRAWS):
+            moved = self.predict(drive, commands={
+                name: steps.draw(random) for name, steps in self._steps.items()}).signals
+            for name in base:
+                shift = np.nan_to_num(moved[name] - base[name])
+                # One large step that no row shows is an event, not a floor for the whole log.
+                power[name] += float(np.median(np.bincount(block, shift**2) / count)) / _DRAWS
+        return power
 
 
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
