@@ -13,9 +13,15 @@ form lacks. A table of transmissions (pump_speed, motor_speed, no torque) is rea
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from hst_drive.cli.output import add_json_argument, say, write_json
 from hst_drive.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hst_drive.losses.table import Bench
 
 HELP = 'steady-state losses of motors from a bench table: characteristics, trends, missing term'
 
@@ -27,42 +33,86 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='foreign column names and units to ours, constants for all rows')
     parser.add_argument('--oil', metavar='GRADE', default='ISO VG 46',
                         help='viscosity grade, config/oil_grades.yaml (default: ISO VG 46)')
-    parser.add_argument('--oils', metavar='OILS.yaml', help='own grades, as config/oil_grades.yaml')
+    parser.add_argument('--oils', metavar='OILS.yaml',
+                        help='grades of yours, in a file like config/oil_grades.yaml')
+    parser.add_argument('--temperature', type=float, metavar='DEGC',
+                        help='of the oil, for --duty and --motor (default: middle of the table)')
+    parser.add_argument('--duty', nargs='+', metavar='TORQUE:SPEED[:SHARE]',
+                        help='which motor is best: points in N.m and rpm, share of the time')
+    parser.add_argument('--motor', type=float, metavar='CC/REV',
+                        help='the motor that -o writes (default: the only one)')
+    parser.add_argument('-o', '--output', metavar='RIG.yaml',
+                        help='write the fitted motor into a rig file')
+    parser.add_argument('--rig', metavar='RIG.yaml',
+                        help='the rig that the motor goes into (default: the shipped test rig, '
+                             'its load scaled to the motor)')
+    parser.add_argument('--force', action='store_true', help='replace RIG.yaml if it exists')
+    parser.add_argument('--plot', metavar='FOLDER|FILE.pdf',
+                        help="draw the maps and the paper's figures 6 to 27: PNGs into a folder, "
+                             'or all pages into one PDF')
     add_json_argument(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Print what the table says."""
     from hst_drive.bag.bench_table import read_points
-    from hst_drive.cli import losses_text as text
+    from hst_drive.cli import losses_transmission as many
     from hst_drive.cli.oils import oil_of
-    from hst_drive.losses.resistances import identify
-    from hst_drive.losses.study import LEAST_ROWS, study
     from hst_drive.losses.table import bench_of
 
     table = read_points(args.bench, args.channels)
-    oil = oil_of(args.oil, args.oils)
     for note in table.notes:
         say(f'{args.bench}: {note}')
-    bench = bench_of(table.columns, table.headers, table.lines, table.constants, table.source, oil)
-    for note in bench.notes:
-        say(f'{args.bench}: {note}')
-    found = identify(bench)
-    content = text.head(bench, args.oil)
-    done = None
-    if len(bench) < LEAST_ROWS:
-        say(f'{args.bench}: {len(bench)} rows determine no curves (at least {LEAST_ROWS}); only '
-            'the resistances of the rows follow')
+    if many.is_transmissions(table):
+        asked = [name for name in ('duty', 'output', 'plot') if getattr(args, name)]
+        if asked:
+            raise InputError(f'--{asked[0]}: {args.bench} is a table of transmissions without '
+                             'flow and torque; give a motor bench table')
+        content, shown = many.study_transmissions(table)
     else:
-        say(f'fitting {len(bench)} rows')
-        done = study(bench)
-        content |= text.studied(done)
-    content['rows'] = text.rows(bench, found, done)
+        oil = oil_of(args.oil, args.oils)
+        bench = bench_of(table.columns, table.headers, table.lines, table.constants,
+                         table.source, oil)
+        for note in bench.notes:
+            say(f'{args.bench}: {note}')
+        content, shown = _motors(args, bench, oil)
     if args.json != '-':
-        print(text.shown(content, bench, found, done))
+        print(shown)
     if args.json:
         write_json(content, args.json)
     return 0
 
 
-__all__ = ['add_arguments', 'HELP', 'InputError', 'run']
+def _motors(args: argparse.Namespace, bench: Bench, oil: Callable) -> tuple[dict, str]:
+    """Return the result of a motor bench table, as plain data and as text."""
+    from hst_drive.cli import losses_out as out, losses_text as text
+    from hst_drive.losses.resistances import identify
+    from hst_drive.losses.study import LEAST_ROWS, study
+
+    out.check(args, bench)
+    found, done = identify(bench), None
+    content = text.head(bench, args.oil)
+    if len(bench) < LEAST_ROWS:
+        asked = [name for name in ('duty', 'output', 'plot') if getattr(args, name)]
+        if asked:
+            raise InputError(f'{args.bench}: {len(bench)} rows determine no curves (at least '
+                             f'{LEAST_ROWS}), which --{asked[0]} needs; measure more points')
+        say(f'{args.bench}: {len(bench)} rows determine no curves (at least {LEAST_ROWS}); only '
+            'the resistances of the rows follow')
+    else:
+        say(f'fitting {len(bench)} rows ...')
+        done = study(bench)
+        content |= text.studied(done)
+    content['rows'] = text.rows(bench, found, done)
+    parts = [text.shown(content, bench, found, done)]
+    if args.duty:
+        content['selection'] = out.selection(args, done, oil)
+        parts.append(out.selection_text(content['selection']))
+    if args.output:
+        parts.append(out.write_rig(args, done, oil))
+    if args.plot:
+        from hst_drive.report.loss_figures import draw
+
+        for path in draw(done, args.plot, say):
+            say(f'wrote {path}')
+    return content, '\n\n'.join(parts)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from hst_drive.losses.accuracy import Cell, coverage, RESISTANCE
-from hst_drive.losses.models import catalogue, Judged, judge, ladder
+from hst_drive.losses.models import catalogue, judge, Judged, ladder
 from hst_drive.losses.paths import paths_of
 from hst_drive.losses.resistances import Prediction, Resistances
 from hst_drive.losses.study import Study
@@ -23,8 +23,7 @@ _EQUATIONS = {'R_el': '(2): R_el = P / Q_el', 'R_1': '(3): R_1 = (P - T/D) / (Q 
 def determined(bench: Bench) -> dict:
     """Return what a table determines and what not, with the equations."""
     if bench.drain is not None:
-        return {'determined': {name: _EQUATIONS[name] for name in ('R_el', 'R_1', 'R_2',
-                                                                    'R_total')},
+        return {'determined': {name: _EQUATIONS[name] for name in _EQUATIONS},
                 'not_determined': {},
                 'why': 'Eq. (3) is Eq. (2) solved for R_1, so pressure, flow, torque and speed '
                        'are two equations for three resistances; the case drain flow, '

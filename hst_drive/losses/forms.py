@@ -78,14 +78,14 @@ def points_of(scales: Scales, pressure, speed, viscosity, displacement) -> Point
 @dataclass(frozen=True)
 class Term:
     """
-    A physical term ``coefficient * d^exponent * shape(points)``, coefficient not negative.
+    A physical term ``d^exponent * shape(coefficient, points)``, coefficient not negative.
 
-    ``within`` multiplies the laminar leakage by ``1 + coefficient * shape`` instead.
+    ``within`` multiplies the laminar leakage by ``1 + shape`` instead.
     """
 
     id: str
     title: str
-    shape: Callable[[Points], np.ndarray]
+    shape: Callable[[float, Points], np.ndarray]
     text: str
     exponent: float = 1.0
     within: bool = False
@@ -133,10 +133,10 @@ class Form:
         within, added = 0.0, 0.0
         for term in self.terms:
             if term.within:
-                within = within + values[place] * term.shape(x)
+                within = within + term.shape(values[place], x)
                 place += 1
             else:
-                added = added + values[place] * x.d**values[place + 1] * term.shape(x)
+                added = added + x.d**values[place + 1] * term.shape(values[place], x)
                 place += 2
         factor = np.exp(x.unit @ values[place:]) if self.several else 1.0
         return factor * (self.base(values[:len(self.own)], x, within) + added)

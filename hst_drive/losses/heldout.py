@@ -23,10 +23,10 @@ class HeldOut(NamedTuple):
     sd: dict[str, np.ndarray]
     error: dict[str, np.ndarray]
 
-    def rms(self, weights: np.ndarray, but: tuple[str, ...] = ()) -> float:
-        """Return the error in units of the noise, all variables counting alike."""
-        kinds = [kind for kind in self.error if kind not in but] or list(self.error)
-        mean = [np.average(_bounded(self.error[kind])**2, weights=weights) for kind in kinds]
+    def rms(self, weights: np.ndarray, kinds: tuple[str, ...] | None = None) -> float:
+        """Return the error in units of the noise; all (or the chosen) variables count alike."""
+        mean = [np.average(_bounded(error)**2, weights=weights)
+                for kind, error in self.error.items() if kinds is None or kind in kinds]
         return float(np.sqrt(np.mean(mean)))
 
 

@@ -23,12 +23,12 @@ from hst_drive.losses.heldout import held_out, HeldOut
 from hst_drive.losses.paths import fit_path, Path
 import numpy as np
 
-_LAMINAR = Term('laminar', 'laminar leakage', lambda x: x.p / x.n, 'c P/nu', -0.5)
-_CONSTANT = Term('constant', 'constant', lambda x: np.ones_like(x.p), 'c')
-_ORIFICE = Term('orifice', 'turbulent leakage', lambda x: np.sqrt(x.p), 'c P^0.5', 2.0 / 3.0)
-_VISCOUS = Term('viscous', 'viscous torque', lambda x: x.n * x.w, 'c nu w')
-_LOAD = Term('load', 'friction in proportion to pressure', lambda x: x.p, 'c P')
-_SQUARE = Term('square', 'torque with speed squared', lambda x: x.w**2, 'c w^2', 5.0 / 3.0)
+_LAMINAR = Term('laminar', 'laminar leakage', lambda c, x: c * x.p / x.n, 'c P/nu', -0.5)
+_CONSTANT = Term('constant', 'constant', lambda c, x: c * np.ones_like(x.p), 'c')
+_ORIFICE = Term('orifice', 'turbulent leakage', lambda c, x: c * np.sqrt(x.p), 'c P^0.5', 2.0 / 3.0)
+_VISCOUS = Term('viscous', 'viscous torque', lambda c, x: c * x.n * x.w, 'c nu w')
+_LOAD = Term('load', 'friction in proportion to pressure', lambda c, x: c * x.p, 'c P')
+_SQUARE = Term('square', 'torque with speed squared', lambda c, x: c * x.w**2, 'c w^2', 5.0 / 3.0)
 
 
 class Model(NamedTuple):

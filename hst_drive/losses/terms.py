@@ -21,37 +21,38 @@ import numpy as np
 # Tried on tables of test/losses: beyond chance in some 15 trials per table (z), and a fall of the
 # held-out error that no mere reshaping of a smooth law gives.
 LEAST_Z = 4.5
-LEAST_FALL = 0.03
+LEAST_ERROR = 1.05          # of the simple form, over the noise
+LEAST_FALL = 0.05
 LEAST_EXCESS = 0.35         # share of the excess over the noise that a term must remove
 RIVAL_Z = 2.0
 
 LEAKAGE = (
-    Term('elastic_leakage', 'gaps that open with pressure: leakage grows with P^3',
-         lambda x: x.p**2, 'K e P^3 (beside laminar leakage)', within=True),
+    Term('elastic_leakage', 'gaps that open with pressure, leakage with their height cubed',
+         lambda c, x: (1.0 + c * x.p)**3 - 1.0, 'laminar x ((1 + s P)^3 - 1)', within=True),
     Term('elastic_leakage', 'gaps that open with pressure, whatever oil and speed',
-         lambda x: x.p**3, 'c P^3', exponent=0.0),
-    Term('orifice_leakage', 'turbulent leakage through an orifice', lambda x: np.sqrt(x.p),
-         'c P^0.5', exponent=2.0 / 3.0),
+         lambda c, x: c * x.p**3, 'c P^3', exponent=0.0),
+    Term('orifice_leakage', 'turbulent leakage through an orifice',
+         lambda c, x: c * np.sqrt(x.p), 'c P^0.5', exponent=2.0 / 3.0),
     Term('compressibility_flow', 'flow lost by decompression of the displaced volume',
-         lambda x: x.p * x.w, 'c D w P'),
-    Term('displacement_error', 'displacement larger or smaller than stated', lambda x: x.w,
-         'c D w', signed=True),
+         lambda c, x: c * x.p * x.w, 'c D w P'),
+    Term('displacement_error', 'displacement larger or smaller than stated',
+         lambda c, x: c * x.w, 'c D w', signed=True),
     Term('constant_leakage', 'leakage that depends on nothing, or an offset of a flow meter',
-         lambda x: np.ones_like(x.p), 'c', exponent=0.0, signed=True),
+         lambda c, x: c * np.ones_like(x.p), 'c', exponent=0.0, signed=True),
 )
 TORQUE = (
     Term('hydrodynamic_drag', 'churning: drag in proportion to speed squared',
-         lambda x: x.w**2, 'c w^2', exponent=5.0 / 3.0),
-    Term('bearing_friction', 'bearing friction that grows faster than the load: P^1.5',
-         lambda x: x.p**1.5, 'c P^1.5'),
-    Term('bearing_friction', 'bearing friction that grows faster than the load: P^2',
-         lambda x: x.p**2, 'c P^2'),
+         lambda c, x: c * x.w**2, 'c w^2', exponent=5.0 / 3.0),
+    Term('bearing_friction', 'load-dependent bearing friction, growing with P^1.5',
+         lambda c, x: c * x.p**1.5, 'c P^1.5'),
+    Term('bearing_friction', 'load-dependent bearing friction, growing with P^2',
+         lambda c, x: c * x.p**2, 'c P^2'),
     Term('load_speed_friction', 'friction in proportion to load and speed',
-         lambda x: x.p * x.w, 'c P w'),
+         lambda c, x: c * x.p * x.w, 'c P w'),
     Term('mixed_friction', 'mixed friction at low speed (Stribeck)',
-         lambda x: np.exp(-3.0 * x.w), 'c exp(-3 w/w0)'),
+         lambda c, x: c * np.exp(-3.0 * x.w), 'c exp(-3 w/w0)'),
     Term('mixed_friction', 'mixed friction at low speed, with the load',
-         lambda x: x.p * np.exp(-3.0 * x.w), 'c P exp(-3 w/w0)'),
+         lambda c, x: c * x.p * np.exp(-3.0 * x.w), 'c P exp(-3 w/w0)'),
 )
 CATALOGUE = {'external': LEAKAGE, 'internal': LEAKAGE, 'total': LEAKAGE, 'torque': TORQUE}
 
@@ -108,16 +109,26 @@ class Search(NamedTuple):
         return self.steps[-1].trial.error if self.steps else self.error
 
 
-_BUT = ('size',)
+def _kinds(path: Path) -> tuple[str, ...]:
+    """
+    Return the variables whose left-out levels judge a term.
+
+    Not the size: a motor that was never seen is off for other reasons. Nor, where others are
+    there, one of two levels: what one level says about the other is mostly the prior.
+    """
+    known = [kind for kind in path.groups if kind != 'size']
+    return tuple([kind for kind in known if path.groups[kind].max() > 1] or known
+                 or path.groups)
 
 
 def search(path: Path, most: int = 2) -> Search:
     """Look for the terms that a path's simple form lacks."""
+    kinds = _kinds(path)
     judged = []
     for form in path.forms():
         fit = fit_path(path, form)
         held = held_out(path, form, fit)
-        judged.append((held.rms(fit.weights, _BUT), form, fit, held))
+        judged.append((held.rms(fit.weights, kinds), form, fit, held))
     judged.sort(key=lambda entry: entry[0])
     error, form, fit, held = judged[0]
     steps: list[Step] = []
@@ -140,8 +151,8 @@ def search(path: Path, most: int = 2) -> Search:
 
 def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
     """Add each term of the catalogue to a form."""
-    kinds = tuple(kind for kind in path.groups if kind not in _BUT) or None
-    before = held.rms(fit.weights, _BUT)
+    kinds = _kinds(path)
+    before = held.rms(fit.weights, kinds)
     out = []
     for term in CATALOGUE[path.name]:
         if term in form.terms:
@@ -162,13 +173,15 @@ def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
             continue
         new = held_out(path, wider, trial, kinds)
         out.append(Trial(wider, trial, new, term, float(coefficient), float(np.sqrt(variance)),
-                         new.rms(trial.weights, _BUT), before))
+                         new.rms(trial.weights, kinds), before))
     return out
 
 
 def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | None:
     """Return the term that is beyond doubt, with its rivals, or None."""
     error = state[0]
+    if error < LEAST_ERROR:
+        return None
     named = {step.trial.term.id for step in steps}
     good = [trial for trial in trials
             if trial.z >= LEAST_Z and trial.term.id not in named
@@ -181,17 +194,18 @@ def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | 
     rivals = []
     for trial in good[1:]:
         if trial.term.id != best.term.id and trial.term.id not in rivals \
-                and not _worse(trial, best):
+                and not _worse(trial, best, _kinds(path)):
             rivals.append(trial.term.id)
     share, low, high = _share(path, best)
     return Step(best, tuple(rivals), share, low, high)
 
 
-def _worse(trial: Trial, best: Trial) -> bool:
+def _worse(trial: Trial, best: Trial, kinds: tuple[str, ...]) -> bool:
     """Return whether a trial's held-out errors are larger beyond chance (levels as blocks)."""
     gaps = []
-    for kind, error in best.held.error.items():
-        if kind in trial.held.error and kind not in _BUT:
+    for kind in kinds:
+        if kind in trial.held.error:
+            error = best.held.error[kind]
             gaps.append(np.clip(trial.held.error[kind], -30, 30)**2 - np.clip(error, -30, 30)**2)
     gap = np.mean(gaps, axis=0)
     return bool(gap.mean() > RIVAL_Z * gap.std() / np.sqrt(len(gap)))

@@ -1,0 +1,191 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Many transmissions (pump and motor) tested at one speed: what a loss-free model misses.
+
+A loss-free transmission turns at ``w_p D_p / D_m``. What is missing in the motor's speed is flow:
+leakage of pump and motor together, ``D_p w_p - D_m w_m``.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from hst_drive.errors import InputError
+from hst_drive.units import from_si
+import numpy as np
+
+OUTLIER = 6.0           # robust standard deviations
+_LEAST_UNITS = 5        # for a spread
+
+
+class Spread(NamedTuple):
+    """Median over units with its 95 % interval, robust standard deviation, and range."""
+
+    median: float
+    low: float
+    high: float
+    sd: float
+    least: float
+    most: float
+
+
+class Outlier(NamedTuple):
+    """A value that is not of the others' kind: line, column, value (SI), deviations, a guess."""
+
+    line: int
+    column: str
+    value: float
+    sigma: float
+    guess: str
+
+
+class Transmissions(NamedTuple):
+    """
+    What a table of transmissions says, SI.
+
+    ``leakage`` and ``conductance`` (None without displacement or pressure) are of pump and motor
+    together; ``unit_scatter`` is the relative scatter of the leakage between units, the
+    repeatability (forward against reverse) taken out where both are there.
+    """
+
+    units: int
+    loss_free_speed: float
+    speed: Spread
+    speed_error: float
+    leakage_share: Spread
+    leakage: Spread | None
+    conductance: Spread | None
+    unit_scatter: float | None
+    repeatability: float | None
+    outliers: tuple[Outlier, ...]
+    not_determinable: dict[str, str]
+
+
+def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
+                  lines: np.ndarray, constants: Mapping[str, float],
+                  source: str) -> Transmissions:
+    """
+    Compare a loss-free transmission with measured ones.
+
+    Parameters
+    ----------
+    columns : mapping
+        pump_speed and motor_speed, optionally motor_speed_reverse, rad/s, one row per unit.
+    headers, lines, source
+        As in the file, for messages.
+    constants : mapping
+        pump_displacement, motor_displacement (m^3/rad; taken for equal where missing) and
+        supply_pressure (Pa, across the transmission) that hold for all rows.
+
+    Raises
+    ------
+    InputError
+        If the table cannot be used.
+
+    """
+    known = {**{name: np.full(len(lines), value) for name, value in constants.items()}, **columns}
+    for name in ('pump_speed', 'motor_speed'):
+        if name not in known:
+            raise InputError(f'{source}: column {name}[rpm] is missing; a table of transmissions '
+                             'needs pump_speed and motor_speed; name them in --channels MAP.yaml')
+    for name, values in columns.items():
+        bad = np.flatnonzero(np.isinf(values) | (values <= 0 if name != 'oil_temperature'
+                                                 else values < 0))
+        if len(bad):
+            raise InputError(f'{source}: row {lines[bad[0]]}, column {headers[name]!r}: found '
+                             f'{values[bad[0]]:.6g} (SI), expected a positive number; mend it or '
+                             'empty the cell')
+    ratio = known.get('pump_displacement', 1.0) / known.get('motor_displacement', 1.0)
+    ideal = known['pump_speed'] * ratio
+    names = [name for name in ('motor_speed', 'motor_speed_reverse') if name in known]
+    shares = {name: 1.0 - known[name] / ideal for name in names}
+    outliers, good = [], {}
+    for name, share in shares.items():
+        found, rows = _outliers(name, share, known[name], ideal, headers, lines)
+        outliers += found
+        good[name] = rows
+    share = np.where(good['motor_speed'], shares['motor_speed'], np.nan)
+    both = len(names) == 2
+    if both:
+        reverse = np.where(good[names[1]], shares[names[1]], np.nan)
+        pair = np.isfinite(share) & np.isfinite(reverse)
+    usable = np.isfinite(share)
+    if not usable.any():
+        raise InputError(f'{source}: no row has pump and motor speed; found {len(lines)} rows; '
+                         'fill the cells')
+    flow = ideal * known['motor_displacement'] if 'motor_displacement' in known else None
+    pressure = known.get('supply_pressure')
+    leakage = None if flow is None else _spread((share * flow)[usable])
+    conductance = None
+    if flow is not None and pressure is not None:
+        conductance = _spread((share * flow / pressure)[usable])
+    scatter = repeat = None
+    if both and pair.sum() >= _LEAST_UNITS:
+        difference = share[pair] - reverse[pair]
+        repeat = _robust_sd(difference) / np.sqrt(2.0) / abs(float(np.median(share[pair])))
+        common = _robust_sd(0.5 * (share + reverse)[pair]) / abs(float(np.median(share[pair])))
+        scatter = float(np.sqrt(max(common**2 - 0.5 * repeat**2, 0.0)))
+    elif usable.sum() >= _LEAST_UNITS:
+        scatter = _robust_sd(share[usable]) / abs(float(np.median(share[usable])))
+    speed = _spread(known['motor_speed'][usable])
+    loss_free = float(np.median(ideal[usable]))
+    return Transmissions(
+        int(usable.sum()), loss_free, speed, loss_free / speed.median - 1.0,
+        _spread(share[usable]), leakage, conductance, scatter, repeat, tuple(outliers),
+        _not_determinable(known, flow is None))
+
+
+def _not_determinable(known: Mapping[str, np.ndarray], no_size: bool) -> dict[str, str]:
+    out = {'torque losses': 'no load torque in the table: Eqs. (14) and (15) of the motor-loss '
+                            'paper need torque and pressure',
+           'R_el, R_1, R_2': 'no flow, case drain flow or torque, Eqs. (2) to (4)',
+           'split between pump and motor': 'no flow between them'}
+    if 'supply_pressure' not in known:
+        out['leakage conductance'] = 'no pressure; give supply_pressure as a constant'
+    if no_size:
+        out['leakage flow'] = 'no displacement; give motor_displacement as a constant'
+    speeds = known['pump_speed'][np.isfinite(known['pump_speed'])]
+    if len(speeds) and np.ptp(speeds) < 0.01 * speeds.mean():
+        out['dependence on speed, load and temperature'] = 'one test point for all units'
+    return out
+
+
+def _outliers(name: str, share: np.ndarray, speed: np.ndarray, ideal: np.ndarray,
+              headers: Mapping[str, str], lines: np.ndarray) -> tuple[list[Outlier], np.ndarray]:
+    there = np.isfinite(share)
+    sd = max(_robust_sd(share[there]), 1e-4) if there.any() else 1.0
+    middle = float(np.median(share[there])) if there.any() else 0.0
+    sigma = (share - middle) / sd
+    out = []
+    good = there & (np.abs(sigma) <= OUTLIER)
+    for row in np.flatnonzero(there & ~good):
+        out.append(Outlier(int(lines[row]), headers.get(name, name), float(speed[row]),
+                           float(-sigma[row]), _guess(float(speed[row]), float(
+                               ideal[row] * (1.0 - middle)), sd * float(ideal[row]))))
+    return out, good
+
+
+def _guess(found: float, usual: float, sd: float) -> str:
+    """Return what a slip of a digit would make of a value, or ''."""
+    rpm, usual, sd = (float(from_si(value, 'rpm')) for value in (found, usual, sd))
+    for power in (1000.0, 100.0, 10000.0):
+        for digit in range(1, 10):
+            for sign in (1.0, -1.0):
+                if abs(rpm + sign * digit * power - usual) < OUTLIER * sd:
+                    return f'perhaps {rpm + sign * digit * power:.6g} rpm (a digit)'
+    return ''
+
+
+def _robust_sd(values: np.ndarray) -> float:
+    """Return the standard deviation of the middle: half the width that holds 68 %."""
+    low, high = np.percentile(values, [15.865, 84.135])
+    return 0.5 * float(high - low)
+
+
+def _spread(values: np.ndarray) -> Spread:
+    middle, sd = float(np.median(values)), _robust_sd(values)
+    # Standard error of a median of normal values.
+    error = 1.96 * 1.2533 * sd / np.sqrt(len(values))
+    return Spread(middle, middle - error, middle + error, sd, float(values.min()),
+                  float(values.max()))
