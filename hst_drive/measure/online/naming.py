@@ -1,0 +1,161 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Which effects of the catalogue would move the balances as they have moved.
+
+Every effect says where it enters and on what it depends; over the blocks that fail that gives
+a signature: how each balance would move per size of the effect as pressure, speed, temperature
+and command went. All balances count, those that did not move as well. This is a first guess for a person who
+watches the drive; ``diagnose`` refits, holds data out, and decides.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.effects import catalogue
+from hst_drive.effects.base import Effect, Parameter, READABLE
+from hst_drive.measure.online.calibration import Calibration
+from hst_drive.measure.online.residuals import Block
+from hst_drive.model.part import evaluate
+from hst_drive.rig import Rig
+import numpy as np
+
+_EQUAL = 0.06       # of the error: less does not tell one effect from another
+_CHANCE = 12.0      # of squared error in deviations: less may be chance
+_LEAST = 0.5        # of the error that an effect must explain to be named
+_MOST = 6
+_FAST = ('compliance', 'pump_lag', 'pump_stroke_time', 'pump_play', 'shaft_compliance',
+         'shaft_load_share', 'speed_reading_lag', 'motor_torque')
+"""Slots of terms whose means over a block are next to nothing."""
+
+
+class Likely(NamedTuple):
+    """
+    An effect that explains what fails: its share of the squared error and its size.
+
+    ``parameter`` is the one that was fitted, ``size`` its value in SI.
+    """
+
+    effect: str
+    explains: float
+    parameter: str
+    size: float
+
+
+class Signatures:
+    """
+    Signatures of the effects that can be seen in means over blocks.
+
+    Parameters
+    ----------
+    rig : Rig
+        Effects that it has adopted are in the model already.
+
+    Attributes
+    ----------
+    unseen : tuple of str
+        Effects that act within a block and leave its means alone: ``diagnose`` looks for them.
+
+    """
+
+    def __init__(self, rig: Rig):
+        tried = {name: effect for name, effect in catalogue().items()
+                 if name not in rig.effects and effect.searched == 'always'}
+        self.unseen = tuple(name for name, effect in tried.items()
+                            if all(slot in _FAST for slot, _ in effect.terms))
+        self._effects = {name: effect for name, effect in tried.items()
+                         if name not in self.unseen}
+
+    def of(self, name: str, block: Block, size: dict[str, float]) -> dict[str, float]:
+        """Return how an effect with these parameters moves each balance in a block, SI."""
+        moved: dict[str, float] = {}
+        for slot, function in self._effects[name].terms:
+            slopes = block.slopes.get(slot)
+            if not slopes:
+                continue
+            term = float(evaluate(function, {**block.known, **size}))
+            for balance, slope in slopes.items():
+                moved[balance] = moved.get(balance, 0.0) + slope * term
+        return moved
+
+    def sizes(self) -> list[tuple[str, dict[str, float], str]]:
+        """
+        Return what to try: effect, its parameters at typical size, the one that is fitted.
+
+        An effect that is a sum of parts, each with a parameter of its own, is tried part by
+        part.
+        """
+        found = []
+        for name, effect in self._effects.items():
+            first, *others = effect.parameters
+            parts = [first] + [entry for entry in others if _alone(effect, entry)]
+            for entry in parts:
+                rest = {other.name: other.neutral if other in parts else other.typical
+                        for other in effect.parameters if other is not entry}
+                found.append((name, {entry.name: entry.typical, **rest}, entry.name))
+        return found
+
+    def bounds(self, name: str, parameter: str) -> tuple[float, float]:
+        """Return what is plausible for a parameter, SI."""
+        return next((entry.low, entry.high) for entry in self._effects[name].parameters
+                    if entry.name == parameter)
+
+
+def _alone(effect: Effect, parameter: Parameter) -> bool:
+    """Say whether an effect acts with this parameter alone, all others neutral."""
+    known = dict.fromkeys(READABLE, 1.0)
+    size = {entry.name: entry.neutral for entry in effect.parameters}
+    size[parameter.name] = parameter.typical
+    return any(evaluate(function, {**known, **size}) != 0.0 for _, function in effect.terms)
+
+
+def likely(signatures: Signatures, blocks: list[Block], known: Calibration) -> tuple[Likely, ...]:
+    """
+    Return the effects that explain the blocks alike well, the likeliest first.
+
+    Parameters
+    ----------
+    signatures : Signatures
+        Of the effects.
+    blocks : list of Block
+        Since the failure began.
+    known : Calibration
+        From before it; may still move within what it does not know.
+
+    """
+    rows, values, deviations, keys = [], [], [], []
+    for place, block in enumerate(blocks):
+        for balance, residual in block.residuals.items():
+            deviation = float(np.hypot(residual.noise, residual.floor))
+            row = known.row(residual)
+            rows.append(row / deviation)
+            values.append((residual.value - float(row @ known.mean)) / deviation)
+            deviations.append(deviation)
+            keys.append((place, balance))
+    if not rows:
+        return ()
+    design, error = np.array(rows), np.array(values)
+    # The calibration as it was known is a prior: take out what it may still explain.
+    inner = design.T @ design + np.linalg.pinv(known.covariance + 1e-12 * np.diag(known.spread**2))
+    absorb = np.linalg.solve(inner, design.T)
+    total = float(error @ error - (error @ design) @ (absorb @ error))
+    best: dict[str, Likely] = {}
+    for name, size, fitted in signatures.sizes():
+        moved = [signatures.of(name, block, size) for block in blocks]
+        column = np.array([moved[place].get(balance, 0.0) / deviation
+                           for (place, balance), deviation in zip(keys, deviations)])
+        left = column - design @ (absorb @ column)
+        square, along = float(column @ left), float(left @ error)
+        if square <= 1e-12 * float(column @ column) or not square:
+            continue
+        amount = along / square * size[fitted]
+        share = along**2 / square / max(total, 1e-30)
+        low, high = signatures.bounds(name, fitted)
+        if low <= amount <= high and (name not in best or share > best[name].explains):
+            best[name] = Likely(name, share, fitted, amount)
+    ranked = sorted(best.values(), key=lambda entry: -entry.explains)
+    if not ranked or ranked[0].explains < _LEAST:
+        return ()
+    near = max(_EQUAL, _CHANCE / max(total, 1e-30))
+    return tuple(entry for entry in ranked
+                 if ranked[0].explains - entry.explains <= near)[:_MOST]
