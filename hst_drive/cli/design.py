@@ -14,7 +14,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_rig_argument, read_json, rig_of
-from hst_drive.cli.output import add_json_argument, table, write_json, write_yaml
+from hst_drive.cli.output import add_json_argument, check_target, table, write_json, write_yaml
 from hst_drive.errors import InputError
 from hst_drive.units import from_si
 
@@ -51,6 +51,8 @@ def run(args: argparse.Namespace) -> int:
         if args.effects is not None else None
     if args.diagnosis is None and wanted is None:
         raise InputError('DIAGNOSIS.json or --effects: expected at least one of the two')
+    if args.output:
+        check_target(args.output)
     rig = rig_of(args)
     if args.diagnosis is None:
         rivals = by_name(wanted, rig.sensors)

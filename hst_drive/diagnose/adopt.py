@@ -159,12 +159,17 @@ def _known_factors(factors: dict, source: str, where: str) -> dict[str, float]:
 def _provenance(diagnosis: dict, source: str, names: list[str], effects: list[dict]) -> dict:
     return {
         'diagnosis': source, 'verdict': diagnosis.get('verdict'),
-        'logs': list(diagnosis.get('logs', [])),
+        'logs': _texts(diagnosis.get('logs')),
         'held_out_noise_ratio': diagnosis.get('holdout'),
         'intervals_95_percent': {
             name: {key: [value.get('low'), value.get('high'), value.get('unit')]
                    for key, value in entry['parameters'].items()}
             for name, entry in zip(names, effects)},
-        'indistinguishable_from': {name: list(entry.get('indistinguishable_from', []))
+        'indistinguishable_from': {name: _texts(entry.get('indistinguishable_from'))
                                    for name, entry in zip(names, effects)},
     }
+
+
+def _texts(found: object) -> list[str]:
+    """Return a list of texts; what is none is only told, not used, and so no reason to refuse."""
+    return [str(entry) for entry in found] if isinstance(found, list) else []

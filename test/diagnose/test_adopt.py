@@ -218,6 +218,13 @@ def test_bad_diagnoses(tmp_path, capsys, case):
     assert not (tmp_path / 'rig.yaml').exists()
 
 
+def test_what_is_told_alone_is_no_reason_to_refuse(tmp_path):
+    content = diagnosis()
+    content['logs'] = content['effects'][0]['indistinguishable_from'] = None
+    past, = adopt(read_yaml(RIG), content, 'd.json', 'rig.yaml')['provenance']['adopted']
+    assert past['logs'] == past['indistinguishable_from']['bearing_friction'] == []
+
+
 @pytest.mark.parametrize('text, expected', [
     ('', 'is not JSON'), ('{"schema":', 'is not JSON'), ('[1]', "key 'schema'"),
     ('\xff\xfe', 'is not JSON')])

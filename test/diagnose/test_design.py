@@ -142,6 +142,7 @@ def test_nothing_ambiguous(tmp_path, capsys):
     (['--effects', 'back_pressure'], 'at least two'),
     (['--effects', 'back_pressure,line_loss', '--duration', '300'], '20 to 120'),
     (['no_such.json'], 'cannot be read'),
+    (['no_such.json', '-o', 'no/such/test.yaml'], 'no/such/test.yaml: cannot be written'),
 ])
 def test_wrong_input_is_one_line(arguments, words, capsys):
     """Exit code 2 and what to do."""
