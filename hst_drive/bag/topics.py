@@ -115,7 +115,22 @@ def _ratios(name: str, origin: str) -> Topic:
 def _losses(name: str, origin: str) -> Topic:
     return Topic(name, VECTOR3_STAMPED, 'motor', 'estimator', (
         Field('vector.x', '%', f'slip, {origin}'),
-        Field('vector.y', '%', f'torque loss, {origin}')))
+        Field('vector.y', '%', f'torque loss, {origin}'),
+        Field('vector.z', 'N.m', f'torque loss, {origin}')))
+
+
+def _resistance(name: str, title: str, **more) -> Topic:
+    return Topic(name, VECTOR3_STAMPED, 'motor', 'estimator', (
+        Field('vector.x', 'Pa.s/m^3', title),
+        Field('vector.y', 'Pa.s/m^3', f'{title}, from the loss model; 0: it gives none'),
+        Field('vector.z', 'Pa.s/m^3', f'{title}, standard uncertainty')), **more)
+
+
+def _residual(name: str, unit: str, title: str, frame: str, **more) -> Topic:
+    return Topic(f'{name}_residual', VECTOR3_STAMPED, frame, 'estimator', (
+        Field('vector.x', unit, f'{title}, measured minus calibrated model'),
+        Field('vector.y', unit, f'{title}, standard deviation to expect of that'),
+        Field('vector.z', '1', f'{title}, evidence that it fails; 1: alarm')), **more)
 
 
 TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
@@ -140,20 +155,43 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     _ratios('model_efficiency', 'from the loss model'),
     _losses('losses', 'from the measured signals'),
     _losses('model_losses', 'from the loss model'),
+    Topic('efficiency_uncertainty', VECTOR3_STAMPED, 'motor', 'estimator', (
+        Field('vector.x', '1', 'volumetric efficiency (and slip), standard uncertainty'),
+        Field('vector.y', '1', 'hydro-mechanical efficiency, standard uncertainty'),
+        Field('vector.z', '1', 'overall efficiency, standard uncertainty'))),
+    _resistance('leakage_resistance', 'resistance of all leakage'),
+    _resistance('port_resistance', 'inlet port resistance R_1'),
+    _resistance('external_leakage_resistance', 'external leakage resistance R_el', on=False),
+    _resistance('internal_leakage_resistance', 'internal leakage resistance R_2', on=False),
+    _residual('pump_flow', 'm^3/s', 'pump flow', 'pump'),
+    _residual('motor_flow', 'm^3/s', 'hydromotor flow', 'motor'),
+    _residual('motor_torque', 'N.m', 'hydromotor torque', 'motor'),
+    _residual('load_torque', 'N.m', 'load torque', 'motor'),
+    _residual('pump_displacement', 'm^3/rad', 'pump stroke', 'pump', on=False),
+    _residual('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', on=False),
+    _residual('line_pressure', 'Pa', 'pressure drop of the line', 'motor_inlet', on=False),
     Topic('oil_temperature_command', TEMPERATURE, 'oil', 'load_profile', (
         Field('temperature', 'degC', 'oil temperature that the test bench sets'),),
         recorded=False),
     Topic('manual_pump_command', VECTOR3_STAMPED, 'pump', 'load_profile', (
         Field('vector.x', 'V', 'pump command of a manual run'),), recorded=False),
     Topic('sync', DIAGNOSTIC_ARRAY, '', 'all nodes', (), on=False, recorded=False),
-    Topic('/diagnostics', DIAGNOSTIC_ARRAY, '', 'estimator', (), recorded=False),
+    Topic('/diagnostics', DIAGNOSTIC_ARRAY, 'motor', 'estimator', ()),
     Topic('/clock', CLOCK, '', 'plant', (Field('clock', 's', 'simulated time'),),
           qos=Qos(depth=10), on=False),
 )}
 
 # What the topics without numbers say.
 _WORDS = {'sync': 'nodes of a run find each other and keep step',
-          '/diagnostics': 'whether the efficiencies are valid, and why not'}
+          '/diagnostics': 'whether the figures are valid; which balance fails and what it lacks'}
+WITH_READING: dict[str, str] = {
+    'external_leakage_resistance': 'case_drain_flow',
+    'internal_leakage_resistance': 'case_drain_flow',
+    'pump_displacement_residual': 'pump_displacement',
+    'case_drain_flow_residual': 'case_drain_flow',
+    'line_pressure_residual': 'motor_inlet_pressure',
+}
+"""Topics of the estimator that come with a reading which is off by default."""
 
 CHANNEL_FIELDS: dict[str, tuple[Topic, Field]] = {
     field.channel: (topic, field)

@@ -1,132 +1,177 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Efficiency, slip and torque loss of the hydromotor, measured and by the loss model."""
+"""Efficiency and losses of the hydromotor while it runs, and the watch over the drive."""
 from __future__ import annotations
 
-from collections.abc import Callable
-import math
 import sys
 
-from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from hst_drive.bag.topics import TOPICS
-from hst_drive.losses.efficiency import (Limits, Performance, performance, predicted,
-                                         reason_not_valid)
+from hst_drive.bag.topics import TOPICS, WITH_READING
+from hst_drive.losses.efficiency import Limits, Performance
+from hst_drive.measure.online.characteristic import Estimate, Resistances
+from hst_drive.measure.online.drive import Figures, Observer, Settings, Watched
+from hst_drive.measure.online.figures import Accuracy
+from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
-from hst_drive.nodes.endpoints import BILLION, qos_profile
 from hst_drive.nodes.parameters import Parameter
-from hst_drive.rig import default_rig, load_rig, Rig
+from hst_drive.rig import default_rig, load_rig
 
-_SIGNALS = {'motor': ('speed', 'load_torque'), 'pump_outlet_pressure': ('pressure',),
-            'motor_inlet_flow': ('flow',)}
-LossModel = Callable[[float, float], Performance]
-
-
-def table_model(rig: Rig) -> LossModel:
-    """Return the loss model of the rig's own tables: performance over pressure and speed."""
-    motor = rig.motor
-
-    def model(pressure: float, speed: float) -> Performance:
-        return predicted(pressure, speed, motor.displacement,
-                         float(motor.leakage(pressure, abs(speed))) * (1 if speed > 0 else -1),
-                         float(motor.mechanical_efficiency(pressure, abs(speed))))
-
-    return model
+_READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
+_RESISTANCES = {'leakage': 'leakage_resistance', 'port': 'port_resistance',
+                'external': 'external_leakage_resistance',
+                'internal': 'internal_leakage_resistance'}
 
 
 class Estimator(DriveNode):
     """
-    Publishes the figures of merit at its own rate, from smoothed signals of one time.
+    Publishes figures of merit, loss resistances, residuals of the balances, and a verdict.
 
-    Where the signals say nothing (standstill, no pressure, a sensor that is silent) it
-    publishes no figure, and on /diagnostics why.
+    Figures carry the time in the middle of the window that they were smoothed over. Where the
+    signals say nothing (standstill, no pressure, a sensor that is silent) it publishes no
+    figure, and on /diagnostics why.
     """
 
     role = 'estimator'
     parameters = (
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
-        Parameter('time_constant', 0.5, 'smoothing of the signals', 's', 0.0, 60.0),
+        Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
         Parameter('minimum_speed', 0.5, 'below it no figure is valid', 'rad/s', 0.01, 100.0),
         Parameter('minimum_pressure', 5e5, 'below it no figure is valid', 'Pa', 1e3, 1e8),
+        Parameter('pressure_accuracy', 5e4, 'standard uncertainty of the pressure sensor, noise '
+                  'apart', 'Pa', 0.0, 1e7),
+        Parameter('flow_accuracy', 0.005, 'standard uncertainty of the flow meter, of the reading',
+                  '1', 0.0, 0.5),
+        Parameter('torque_accuracy', 1.0, 'standard uncertainty of the torque sensor', 'N.m', 0.0,
+                  1e4),
+        Parameter('extra_topics', [], 'readings that are off by default and come in this run'),
+        Parameter('bag', '', 'bag that records this run, for the pointer to it'),
     )
 
     def configure(self) -> None:
-        """Build the loss model."""
+        """Build what observes the drive."""
         settings = self.settings
         rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
-        rig.require('motor', purpose='the estimator')
-        self._displacement = rig.motor.displacement
-        self._model = table_model(rig)
-        self._limits = Limits(settings['minimum_speed'], settings['minimum_pressure'])
-        self._period = round(BILLION / settings['rate'])
-        self._values = dict.fromkeys(
-            (name for names in _SIGNALS.values() for name in names), math.nan)
-        self._stamps = dict.fromkeys(_SIGNALS, None)
-        self._next: int | None = None
+        self._extra = wiring.readings(settings['extra_topics'])
+        self._expected = tuple(name for name in _READ if TOPICS[name].on or name in self._extra)
+        # Position of a channel among the fields of its topic.
+        self._channels = {name: [(place, field.channel) for place, field in
+                                 enumerate(TOPICS[name].fields) if field.channel]
+                          for name in self._expected}
+        signals = tuple(channel for places in self._channels.values() for _, channel in places)
+        self._observer = Observer(rig, signals, Settings(
+            settings['rate'], settings['window'], settings['timeout'],
+            limits=Limits(settings['minimum_speed'], settings['minimum_pressure']),
+            accuracy=Accuracy(settings['pressure_accuracy'], settings['flow_accuracy'],
+                              settings['torque_accuracy'])))
+        self._awaited = {name: 0 for name in self._expected
+                         if TOPICS[name].publisher in self.partners}
+        self._step = 0
+        self._heard = False
+        self._failing: tuple[str, ...] = ()
         self.gather = GATHER if self.lockstep else 0.0
 
     def activate(self) -> None:
         """Open the endpoints."""
-        self.publish_to('efficiency', 'model_efficiency', 'losses', 'model_losses')
-        topic = TOPICS['/diagnostics']
-        self._diagnostics = self.create_publisher(
-            DiagnosticArray, topic.name, qos_profile(topic.qos))
-        for name in _SIGNALS:
+        self.publish_to(*(
+            name for name, topic in TOPICS.items() if topic.publisher == self.role and topic.fields
+            and (topic.on or WITH_READING.get(name) in self._extra)))
+        self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
+        for name in _READ:
             self.listen_to(name, lambda stamp, values, name=name: self._measured(
-                name, stamp, values[-len(_SIGNALS[name]):]))
+                name, stamp, values))
         super().activate()
         if not self.lockstep:
-            self.create_timer(self._period / BILLION, lambda: self._estimate(self.now()))
+            self.create_timer(1.0 / self.settings['rate'], self._tick)
+
+    def not_connected(self) -> list[str]:
+        """Return the topics on which a partner is missing; of the extra ones, those asked for."""
+        return [name for name in super().not_connected()
+                if name not in _READ or name in self._expected]
 
     def _measured(self, topic: str, stamp: int, values: tuple[float, ...]) -> None:
         self.handled += 1
-        last = self._stamps[topic]
-        elapsed = 0.0 if last is None else (stamp - last) / BILLION
-        weight = 1.0 if last is None or elapsed <= 0.0 else -math.expm1(
-            -elapsed / max(self.settings['time_constant'], 1e-9))
-        for name, value in zip(_SIGNALS[topic], values):
-            known = self._values[name]
-            self._values[name] = value if not math.isfinite(known) else (
-                known + weight * (value - known) if math.isfinite(value) else math.nan)
-        self._stamps[topic] = stamp
-        if self.lockstep and all(known == stamp for known in self._stamps.values()):
-            self._next = stamp if self._next is None else self._next
-            if stamp >= self._next:
-                self._next += self._period
-                self._estimate(stamp)
-            self.answers.done(stamp)
+        if topic not in self._channels:
+            return
+        for place, channel in self._channels[topic]:
+            self._observer.put(channel, stamp, values[place])
+        self._heard = True
+        if self.lockstep:
+            self._awaited[topic] = stamp
+            reached = min(self._awaited.values())
+            if reached > self._step:
+                self._step = reached
+                self._advance(reached)
+                self.answers.done(reached)
 
-    def _estimate(self, stamp: int) -> None:
-        patience = self.settings['timeout'] * BILLION
-        for topic, names in _SIGNALS.items():
-            if self._stamps[topic] is None or stamp - self._stamps[topic] > patience:
-                self._values.update(dict.fromkeys(names, math.nan))
-        value = self._values
-        signals = (value['pressure'], value['flow'], value['speed'], value['load_torque'])
-        reason = reason_not_valid(*signals, limits=self._limits)
-        if not reason:
-            measured = performance(*signals, self._displacement)
-            model = self._model(value['pressure'], value['speed'])
-            self._publish(stamp, '', measured)
-            self._publish(stamp, 'model_', model)
-        self._tell(stamp, reason)
+    def _tick(self) -> None:
+        """Go on as far as the signals have come in real time; say so when none comes."""
+        reached = self._observer.reached()
+        if self._heard and reached is not None:
+            self._heard = False
+            self._advance(reached)
+        elif not self._heard:
+            self._say(self.now(), 'efficiency', 'no signal comes')
 
-    def _publish(self, stamp: int, origin: str, figures: Performance) -> None:
+    def _advance(self, stamp: int) -> None:
+        found = self._observer.advance(stamp)
+        for figures in found.figures:
+            self._publish(figures)
+        for watched in found.watched:
+            self._watch(watched)
+
+    def _publish(self, figures: Figures) -> None:
+        if figures.measured is not None:
+            for origin, values in (('', figures.measured), ('model_', figures.model)):
+                self._figures(figures.stamp, origin, values)
+            self.outputs['efficiency_uncertainty'].publish(
+                figures.stamp, *figures.uncertainty[:3])
+        self._say(figures.stamp, 'efficiency', figures.reason)
+
+    def _figures(self, stamp: int, origin: str, figures: Performance) -> None:
         self.outputs[f'{origin}efficiency'].publish(
             stamp, figures.volumetric, figures.hydromechanical, figures.overall)
-        self.outputs[f'{origin}losses'].publish(stamp, figures.slip, figures.torque_loss_ratio)
+        self.outputs[f'{origin}losses'].publish(
+            stamp, figures.slip, figures.torque_loss_ratio, figures.torque_loss)
 
-    def _tell(self, stamp: int, reason: str) -> None:
-        status = DiagnosticStatus(
-            name=f'{self.get_fully_qualified_name()}: efficiency', hardware_id='motor',
-            level=DiagnosticStatus.STALE if reason else DiagnosticStatus.OK,
-            message=f'not valid: {reason}' if reason else 'valid',
-            values=[KeyValue(key='valid', value=str(not reason).lower())])
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = Time(sec=stamp // BILLION, nanosec=stamp % BILLION)
-        self._diagnostics.publish(message)
+    def _watch(self, watched: Watched) -> None:
+        stamp = watched.stamp
+        for name, entry in (watched.resistances or Resistances(None, None))._asdict().items():
+            self._resistance(stamp, _RESISTANCES[name], entry)
+        said = watched.verdict
+        if said is None:
+            self._say(stamp, 'watch', watched.reason)
+            return
+        for name, innovation in said.innovations.items():
+            if f'{name}_residual' in self.outputs:
+                self.outputs[f'{name}_residual'].publish(
+                    stamp, innovation.value, innovation.deviation, said.levels[name])
+        observer = self._observer
+        if said.failing:
+            message, values = verdict.alarm(said, observer.origin, self.settings['bag'],
+                                            observer.signatures.unseen)
+            if said.failing != self._failing:
+                self.get_logger().warning(message)
+            self._tell(stamp, 'watch', verdict.WARN, message, values)
+        else:
+            self._tell(stamp, 'watch', verdict.OK, 'the model describes the drive', {
+                **verdict.fine(said.levels, said.innovations, observer.watch.blocks),
+                'resistances': watched.why_none or 'valid'})
+        self._failing = said.failing
+
+    def _resistance(self, stamp: int, topic: str, entry: Estimate | None) -> None:
+        if entry is not None and topic in self.outputs:
+            self.outputs[topic].publish(stamp, entry.value, entry.model or 0.0, entry.uncertainty)
+
+    def _say(self, stamp: int, what: str, reason: str) -> None:
+        """Tell whether something is valid."""
+        self._tell(stamp, what, verdict.STALE if reason else verdict.OK,
+                   f'not valid: {reason}' if reason else 'valid',
+                   {'valid': str(not reason).lower()})
+
+    def _tell(self, stamp: int, what: str, level: int, message: str, values) -> None:
+        self._diagnostics.publish(
+            stamp, f'{self.get_fully_qualified_name()}: {what}', level, message, values)
 
 
 def main() -> int:

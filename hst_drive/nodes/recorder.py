@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from hst_drive.bag import BagWriter
 
 _DEPTH = 2000
+_LATE = 1_000_000_000   # ns: an estimate carries the time that it holds for, so comes later
 _QUIET = 0.3   # s without a message after which nothing is under way any more
 
 
@@ -29,8 +30,8 @@ class Recorder(DriveNode):
     Writes every message of the chosen topics.
 
     In real time a message is logged when it comes. In lockstep it is logged at its own stamp,
-    and the messages up to the plant's last question are written, in the order of stamp and
-    topic, once all that their publishers have sent are here.
+    and the messages up to a second before the plant's last question are written, in the order
+    of stamp and topic, once all that their publishers have sent are here.
     """
 
     role = 'recorder'
@@ -153,7 +154,7 @@ class Recorder(DriveNode):
         expected = self._expected[asked]
         if any(self._received[name] < expected.get(name, 0) for name in self._order):
             return
-        self._write(asked)
+        self._write(asked - _LATE)
         self.sync.say(sync.DONE, asked)
         self._asked = None
         for known in [stamp for stamp in self._told if stamp <= asked]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from hst_drive.bag.topics import TOPICS
+from hst_drive.bag.topics import TOPICS, WITH_READING
 from hst_drive.errors import InputError
 
 NODES = ('plant', 'load_profile', 'controller', 'estimator', 'recorder')
@@ -15,7 +15,9 @@ READS: dict[str, tuple[str, ...]] = {
     'plant': ('pump_command', 'pprv_command', 'oil_temperature_command', 'sync'),
     'load_profile': ('/clock', 'sync'),
     'controller': ('motor', 'speed_setpoint', 'manual_pump_command', 'sync'),
-    'estimator': ('motor', 'pump_outlet_pressure', 'motor_inlet_flow', 'sync'),
+    'estimator': ('motor', 'pump_outlet_pressure', 'motor_inlet_flow', 'pump_command',
+                  'pprv_command', 'oil_temperature', 'motor_inlet_pressure', 'case_drain_flow',
+                  'pump', 'pump_displacement', 'sync'),
     'recorder': ('sync',),
 }
 """Topics by reader; the recorder reads those that it is asked to record as well."""
@@ -53,7 +55,8 @@ def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = Fals
     nodes, sensors = set(nodes), readings(extra)
     names = [name for name, topic in TOPICS.items()
              if topic.publisher in nodes and topic.recorded
-             and (topic.on if topic.publisher != 'plant' else name in sensors)]
+             and (name in sensors if topic.publisher == 'plant'
+                  else topic.on or WITH_READING.get(name) in sensors)]
     return (*names, *(f'truth/{name}' for name in sensors if truth))
 
 

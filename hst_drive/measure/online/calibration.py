@@ -4,8 +4,9 @@
 This unit of the rig, learnt while it drills: tolerances and sensor offsets, block by block.
 
 A unit differs from its datasheet within tolerances; that is no missing physics. Here a linear
-Kalman filter of constants learns them from the residuals, beginning with the datasheet's scatter, and never
-beyond three sigma: what a unit of this make cannot explain stays in the residual.
+Kalman filter of constants learns them from the residuals, beginning with the datasheet's
+scatter, and never beyond three sigma: what a unit of this make cannot explain stays in the
+residual.
 """
 from __future__ import annotations
 

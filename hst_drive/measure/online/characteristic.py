@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 from hst_drive.measure.online.figures import Accuracy, table_losses
-from hst_drive.rig import Rig
+from hst_drive.model.part import PartModel
 import numpy as np
 
 _PRESSURE, _SPEED = 10e5, 2.0   # size of a bucket, Pa and rad/s
@@ -52,8 +52,8 @@ class Characteristic:
 
     Parameters
     ----------
-    rig : Rig
-        With the section 'motor'.
+    model : PartModel
+        The motor's loss model.
     accuracy : Accuracy
         Of the sensors.
     memory : float
@@ -61,8 +61,8 @@ class Characteristic:
 
     """
 
-    def __init__(self, rig: Rig, accuracy: Accuracy = Accuracy(), memory: float = 30.0):
-        self._rig, self._accuracy, self._memory = rig, accuracy, memory
+    def __init__(self, model: PartModel, accuracy: Accuracy = Accuracy(), memory: float = 30.0):
+        self._model, self._accuracy, self._memory = model, accuracy, memory
         self._buckets: dict[tuple[int, int], np.ndarray] = {}
         self._counts: dict[tuple[int, int], int] = {}
 
@@ -104,8 +104,9 @@ class Characteristic:
         if found is None:
             return None, (f'not valid yet: {pressure / 1e5:.0f} bar at {speed * 30 / math.pi:.0f} '
                           'rpm have not been visited for long enough')
-        displacement, accuracy = self._rig.motor.displacement, self._accuracy
-        leak, made = (float(value) for value in table_losses(self._rig, pressure, speed))
+        displacement, accuracy = self._model.motor_displacement, self._accuracy
+        leak, made = (float(value) for value in table_losses(
+            self._model, pressure, speed))
         excess, missing, drain = (float(value) for value in found)
         lost = leak + excess
         flow, torque = displacement * speed + lost, made - missing

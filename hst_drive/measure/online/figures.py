@@ -8,8 +8,8 @@ it makes is the torque sensor's plus that which the inertia takes. The flow mete
 motor's inlet, behind the oil volume, so the flow that compresses oil does not pass it.
 
 An efficiency changes with pressure as fast as the load jumps, too fast for any smoothing that
-takes the noise away. So pressure and speed are smoothed shortly, and what is smoothed for longer is
-what the measured flow and torque have beyond the loss model: that hardly changes. Where the rig
+takes the noise away. So pressure and speed are smoothed shortly; smoothed for longer is what
+the measured flow and torque have beyond the loss model: that hardly changes. Where the rig
 has no loss model that is the whole loss.
 """
 from __future__ import annotations
@@ -19,11 +19,13 @@ from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance, performance, reason_not_valid
 from hst_drive.measure.online.stream import Window
+from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
 PRESSURE, FLOW, SPEED, TORQUE = (
     'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque')
+INLET, TEMPERATURE = 'motor_inlet_pressure', 'oil_temperature'
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW)
 _LEAST = 5      # samples in a window
 
@@ -46,9 +48,9 @@ class Moment(NamedTuple):
     """
     The motor at one moment, SI, all signals of one time.
 
-    ``torque`` is what the motor makes, that for its inertia included; ``excess_flow`` and
-    ``missing_torque`` is what it takes and lacks beyond the loss model. ``noise`` holds the standard
-    deviations of pressure, flow, speed and torque.
+    ``torque`` is what the motor makes, that for its inertia included; ``model_leakage`` and
+    ``model_torque`` are the loss model's. ``noise`` holds the standard deviations of pressure,
+    flow, speed and torque.
     """
 
     stamp: int
@@ -56,8 +58,8 @@ class Moment(NamedTuple):
     flow: float
     speed: float
     torque: float
-    excess_flow: float
-    missing_torque: float
+    model_leakage: float
+    model_torque: float
     noise: tuple[float, float, float, float]
 
 
@@ -108,18 +110,19 @@ def _parabola(at: np.ndarray) -> np.ndarray:
     return np.linalg.pinv(np.stack([np.ones(len(at)), scaled, scaled * scaled], axis=1))[0]
 
 
-def moment_of(window: Window, stamp: int, rig: Rig, narrow: float) -> Moment | None:
+def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Moment | None:
     """
     Return the motor at ``stamp``; None if samples are too few.
 
     Parameters
     ----------
     window : Window
-        Of ``SIGNALS``, around the stamp.
+        Of ``SIGNALS`` around the stamp, and of the motor's inlet pressure and the oil's
+        temperature where they are measured.
     stamp : int
         ns.
-    rig : Rig
-        With the section 'motor'.
+    model : PartModel
+        Loss model of the motor, adopted effects and calibration included.
     narrow : float
         Half the width of the smoothing of pressure and speed, s.
 
@@ -131,28 +134,46 @@ def moment_of(window: Window, stamp: int, rig: Rig, narrow: float) -> Moment | N
     from_middle = np.abs(window.time - middle)
     near = from_middle <= max(narrow, np.partition(from_middle, _LEAST - 1)[_LEAST - 1])
     short = _parabola(window.time[near] - middle)
-    motor, values = rig.motor, window.values
-    speed, pressure = values[SPEED], values[PRESSURE]
-    leak, made = table_losses(rig, pressure, speed)
-    excess = float(wide[0] @ (values[FLOW] - motor.displacement * speed - leak))
-    missing = float(wide[0] @ (made - values[TORQUE]) - motor.inertia * (wide[1] @ speed))
+    values, rig = window.values, model.rig
+    speed, temperature = values[SPEED], values.get(TEMPERATURE)
+    pressure = values[INLET] if INLET in values else values[PRESSURE] - line_drop(
+        model, values[PRESSURE], values[FLOW])
+    warm = None if temperature is None else float(wide[0] @ temperature)
+    leak, made = table_losses(model, pressure, speed, warm)
+    excess = float(wide[0] @ (values[FLOW] - model.motor_displacement * speed - leak))
+    missing = float(wide[0] @ (made - values[TORQUE]) - model.inertia * (wide[1] @ speed))
     now_pressure, now_speed = float(short @ pressure[near]), float(short @ speed[near])
-    leak, made = (float(value) for value in table_losses(rig, now_pressure, now_speed))
+    leak, made = table_losses(model, now_pressure, now_speed, warm)
     left, left_short, left_rate = (
         math.sqrt(float(weight @ weight)) for weight in (wide[0], short, wide[1]))
     noise = (left_short * noise_of(rig, PRESSURE), left * noise_of(rig, FLOW),
              left * noise_of(rig, SPEED),
              math.hypot(left * noise_of(rig, TORQUE),
-                        left_rate * motor.inertia * noise_of(rig, SPEED)))
-    return Moment(stamp, now_pressure, motor.displacement * now_speed + leak + excess, now_speed,
-                  made - missing, excess, missing, noise)
+                        left_rate * model.inertia * noise_of(rig, SPEED)))
+    return Moment(stamp, now_pressure, model.motor_displacement * now_speed + float(leak) + excess,
+                  now_speed, float(made) - missing, float(leak), float(made), noise)
 
 
-def table_losses(rig: Rig, pressure, speed):
-    """Return leakage (m^3/s) and torque (N.m) of the rig's tables, with the sign of the speed."""
-    motor, sign = rig.motor, np.sign(speed)
-    return (sign * motor.leakage(pressure, np.abs(speed)),
-            motor.mechanical_efficiency(pressure, np.abs(speed)) * pressure * motor.displacement)
+def line_drop(model: PartModel, pressure, flow):
+    """Return the pressure (Pa) that adopted effects lose between the sensor and the motor."""
+    known = {'pressure': pressure, 'pump_pressure': pressure, 'flow': flow}
+    return model.line_drop(model.complete(known)) if model.effects else 0.0
+
+
+def table_losses(model: PartModel, pressure, speed, temperature: float | None = None):
+    """Return leakage (m^3/s) and torque (N.m) of a motor's loss model at Pa, rad/s and K."""
+    if not model.effects:
+        temperature = None
+    known = model.complete({
+        SPEED: speed, 'pressure': pressure, 'pump_pressure': pressure,
+        **({} if temperature is None else {TEMPERATURE: temperature})})
+    return model.motor_leakage(known), model.motor_torque(known)
+
+
+def modelled(moment: Moment, displacement: float) -> Performance:
+    """Return the figures of merit that the loss model gives at a moment."""
+    return performance(moment.pressure, displacement * moment.speed + moment.model_leakage,
+                       moment.speed, moment.model_torque, displacement)
 
 
 def measured(moment: Moment, displacement: float,

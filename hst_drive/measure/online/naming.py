@@ -5,8 +5,8 @@ Which effects of the catalogue would move the balances as they have moved.
 
 Every effect says where it enters and on what it depends; over the blocks that fail that gives
 a signature: how each balance would move per size of the effect as pressure, speed, temperature
-and command went. All balances count, those that did not move as well. This is a first guess for a person who
-watches the drive; ``diagnose`` refits, holds data out, and decides.
+and command went. All balances count, those that did not move as well. This is a first guess
+for a person who watches the drive; ``diagnose`` refits, holds data out, and decides.
 """
 from __future__ import annotations
 

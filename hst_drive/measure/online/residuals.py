@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from hst_drive.measure.online.figures import Accuracy, bell, FLOW, noise_of, PRESSURE, SPEED, TORQUE
+from hst_drive.measure.online.figures import (
+    Accuracy, bell, FLOW, INLET, noise_of, PRESSURE, SPEED, TORQUE)
 from hst_drive.measure.online.stream import Window
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
-STROKE, DRAIN, INLET = 'pump_displacement', 'case_drain_flow', 'motor_inlet_pressure'
+STROKE, DRAIN = 'pump_displacement', 'case_drain_flow'
 LEAD = 1.0          # s before a block, in which lags settle
 _STAMPS = 3e-3      # s: how well the time stamps of two signals agree
 _FLOOR = 0.25       # of the scatter between units: how good a calibrated model is expected to be

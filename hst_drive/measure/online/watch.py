@@ -3,8 +3,9 @@
 """
 The watch: says when a balance fails, since when, and what most likely is missing.
 
-For each balance two cumulative sums run over the blocks (E. S. Page, Continuous inspection schemes,
-Biometrika 41, 1954), of what the calibration leaves over its standard deviation, one up and one down.
+For each balance two cumulative sums run over the blocks (E. S. Page, Continuous inspection
+schemes, Biometrika 41, 1954), of what the calibration leaves over its standard deviation, one up
+and one down.
 Errors of a model are alike from block to block, so evidence must not add up from errors that
 the model may have: the deviation holds a quarter of the scatter between units, and only what
 is beyond ``DRIFT`` deviations counts. A calibrated model that is off by less never alarms,
@@ -17,7 +18,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from hst_drive.measure.online.calibration import Calibration, Innovation
-from hst_drive.measure.online.naming import likely, Likely, Signatures
+from hst_drive.measure.online.naming import Likely, likely, Signatures
 from hst_drive.measure.online.residuals import Block
 
 DRIFT = 1.0

@@ -1,0 +1,113 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What the estimator says on /diagnostics: its words, and a publisher of their bytes."""
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TYPE_CHECKING
+
+from hst_drive.bag.cdr import Codec
+from hst_drive.bag.definitions import find_definition
+from hst_drive.bag.topics import TOPICS
+from hst_drive.effects import catalogue
+from hst_drive.measure.online.residuals import BALANCES
+from hst_drive.nodes.endpoints import BILLION, message_class, qos_profile
+from hst_drive.units import for_people
+
+if TYPE_CHECKING:
+    from hst_drive.measure.online.naming import Likely
+    from hst_drive.measure.online.watch import Verdict
+
+OK, WARN, STALE = 0, 1, 3
+
+
+class Diagnostics:
+    """
+    The publisher of /diagnostics.
+
+    It packs the message itself: rclpy leaves bytes of foreign memory in the padding, and two runs
+    of one seed shall give one bag.
+    """
+
+    def __init__(self, node):
+        self.topic = TOPICS['/diagnostics']
+        self._codec = Codec(self.topic.type, find_definition(self.topic.type))
+        self.publisher = node.create_publisher(
+            message_class(self.topic.type), self.topic.name, qos_profile(self.topic.qos))
+        self.published = 0
+
+    def publish(self, stamp: int, name: str, level: int, message: str,
+                values: Mapping[str, Any]) -> None:
+        """Publish one status that was true at ``stamp``, ns."""
+        seconds, nanoseconds = divmod(stamp, BILLION)
+        self.publisher.publish(self._codec.encode({
+            'header': {'stamp': {'sec': seconds, 'nanosec': nanoseconds},
+                       'frame_id': self.topic.frame},
+            'status': [{'level': level, 'name': name, 'message': message,
+                        'hardware_id': 'drive', 'values': [
+                            {'key': key, 'value': str(value)} for key, value in values.items()]}],
+        }))
+        self.published += 1
+
+    def connected(self, readers: int) -> bool:
+        """Return whether as many subscriptions are matched."""
+        return self.publisher.get_subscription_count() >= readers
+
+
+def _effect(entry: Likely) -> str:
+    unit = next(parameter.unit for parameter in catalogue()[entry.effect].parameters
+                if parameter.name == entry.parameter)
+    size, unit = for_people(entry.size, unit)
+    return f'{entry.effect} ({entry.parameter} about {size:.3g} {unit})'
+
+
+def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
+          ) -> tuple[str, dict[str, str]]:
+    """
+    Return message and values of the status for a balance that fails.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        With at least one balance that fails.
+    origin : int
+        Stamp of the first sample, ns; times are given from there as well.
+    bag : str
+        Bag that is being recorded, '' if that is not known.
+    unseen : sequence of str
+        Effects that this watch cannot see.
+
+    """
+    worst = verdict.failing[0]
+    title, unit = BALANCES[worst]
+    innovation = verdict.innovations.get(worst)
+    began = (verdict.began - origin) / BILLION
+    size = ''
+    if innovation is not None:
+        value, shown = for_people(innovation.value, unit)
+        size = f', now {value:+.3g} {shown}'
+    names = [entry.effect for entry in verdict.effects]
+    guess = f'; most likely {" or ".join(names)}' if names else '; no effect that shows here'
+    values = {
+        'balances': ', '.join(BALANCES[name][0] for name in verdict.failing),
+        'effects': ', '.join(_effect(entry) for entry in verdict.effects) or 'unknown',
+        'explained': ', '.join(f'{100 * entry.explains:.0f} %' for entry in verdict.effects),
+        'failing_since_s': f'{began:.1f}',
+        'section_from': _stamp(verdict.since), 'section_to': _stamp(verdict.until),
+        'section_s': f'{(verdict.since - origin) / BILLION:.1f} to '
+                     f'{(verdict.until - origin) / BILLION:.1f} s of the run',
+        'diagnose': f'hst-drive diagnose {bag or "BAG"}',
+        'not_watched': ', '.join(unseen)}
+    return f'{title} fails since {began:.0f} s{size}{guess}', values
+
+
+def _stamp(stamp: int) -> str:
+    seconds, nanoseconds = divmod(stamp, BILLION)
+    return f'{seconds}.{nanoseconds:09d}'
+
+
+def fine(levels: Mapping[str, float], watched: Iterable[str], seconds: float) -> dict[str, str]:
+    """Return the values of the status while nothing fails."""
+    return {'watched': ', '.join(BALANCES[name][0] for name in watched),
+            'watched_for_s': f'{seconds:.0f}',
+            **{f'evidence {BALANCES[name][0]}': f'{level:.2f}' for name, level in levels.items()}}
