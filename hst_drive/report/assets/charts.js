@@ -213,9 +213,11 @@ const Charts = (() => {
       if (other) curve('other', other, upper);
       curve('model', model, upper);
       curve('error', error, lower);
-      draw('text', {class: 'label', x: LEFT, y: 13}, picture, `${title} [${unit}]`);
-      draw('text', {class: 'label', x: width - RIGHT, y: 13, 'text-anchor': 'end'}, picture,
-        `error ${number(this.curves.ratio[name])} × floor`);
+      const size = width < 360 ? 'font-size: 10px' : '';
+      draw('text', {class: 'label', x: width < 480 ? 2 : LEFT, y: 13, style: size}, picture,
+        `${title} [${unit}]`);
+      draw('text', {class: 'label', x: width - RIGHT, y: 13, 'text-anchor': 'end', style: size},
+        picture, `${width < 480 ? '' : 'error '}${number(this.curves.ratio[name])} × floor`);
       this.plots.push(this.pointer(picture, frame, 36, 242, (k) => {
         return `measured ${number(measured[k], 4)}   model ${number(model[k], 4)}`
           + `   error ${number(error[k])}`;
