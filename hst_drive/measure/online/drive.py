@@ -11,7 +11,7 @@ from hst_drive.measure.online.characteristic import Characteristic, Resistances
 from hst_drive.measure.online.figures import (
     Accuracy, INLET, measured, modelled, moment_of, SIGNALS, SPEED, TEMPERATURE, uncertainty)
 from hst_drive.measure.online.naming import Signatures
-from hst_drive.measure.online.residuals import Balances, Block, DRAIN, LEAD, needed
+from hst_drive.measure.online.residuals import Balances, Block, LEAD, needed
 from hst_drive.measure.online.stream import BILLION, Stream
 from hst_drive.measure.online.watch import Verdict, Watch
 from hst_drive.model.part import PartModel

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import Effect, Parameter, READABLE
-from hst_drive.measure.online.calibration import Calibration
+from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.residuals import Block
 from hst_drive.model.part import evaluate
 from hst_drive.rig import Rig
@@ -24,6 +24,7 @@ _EQUAL = 0.06       # of the error: less does not tell one effect from another
 _CHANCE = 12.0      # of squared error in deviations: less may be chance
 _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
+_BEYOND = LIMIT + 1.0     # sigma
 _FAST = ('compliance', 'pump_lag', 'pump_stroke_time', 'pump_play', 'shaft_compliance',
          'shaft_load_share', 'speed_reading_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
@@ -148,6 +149,9 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration) -> t
         square, along = float(column @ left), float(left @ error)
         if square <= 1e-12 * float(column @ column) or not square:
             continue
+        unit = known.mean + absorb @ (error - along / square * column)
+        if np.any(np.abs(unit) > _BEYOND * known.spread):
+            continue    # explains only together with a unit that nobody would deliver
         amount = along / square * size[fitted]
         share = along**2 / square / max(total, 1e-30)
         low, high = signatures.bounds(name, fitted)
