@@ -134,7 +134,8 @@ def test_fit_undo_and_save(seen, folder):
     page.wait_for_selector('#kept textarea')
     line = page.input_value('#kept textarea')
     assert line.startswith('hst-drive report ') and 'motor_leakage.conductance=' in line
-    page.locator('body').press('u')
+    page.focus('#fit')
+    page.keyboard.press('u')
     seen.until(f'{SHOWN}.effects.motor_leakage.conductance',
                1.3e-12)
     page.click('#undo')
