@@ -183,5 +183,5 @@ def _constant(value, where: str, unit: str) -> float:
             return found
         raise ValueError(number)
     except (ValueError, UnitError):
-        raise InputError(f"{where} is {value!r}, expected a number with its unit, as "
+        raise InputError(f'{where} is {value!r}, expected a number with its unit, as '
                          f"'12 {unit}'") from None

@@ -40,7 +40,7 @@ def _duty(texts: list[str]) -> list[Duty]:
         except ValueError:
             numbers = []
         if len(numbers) not in (2, 3) or not all(0 < value < 1e7 for value in numbers):
-            raise InputError(f"--duty {text}: expected TORQUE:SPEED[:SHARE] in N.m and rpm, all "
+            raise InputError(f'--duty {text}: expected TORQUE:SPEED[:SHARE] in N.m and rpm, all '
                              "above 0, as '20:1200:0.6'")
         share = numbers[2] if len(numbers) == 3 else 1.0
         out.append(Duty(numbers[0], to_si(numbers[1], 'rpm'), share))

@@ -6,13 +6,13 @@ from __future__ import annotations
 from hst_drive.cli.output import table
 from hst_drive.losses import document as doc
 from hst_drive.losses.accuracy import cells
+from hst_drive.losses.ordinary import sizes
 from hst_drive.losses.resistances import Resistances
 from hst_drive.losses.study import Study
 from hst_drive.losses.table import Bench
 from hst_drive.losses.trends import CONTRADICTION, STATED
 from hst_drive.losses.verdict import Verdict, verdict
 from hst_drive.units import from_si
-import numpy as np
 
 _RESISTANCE = 1e5 * 60e3        # Pa.s/m^3 of 1 bar/(L/min)
 rows = doc.rows
@@ -33,6 +33,8 @@ def studied(study: Study) -> dict:
     found = verdict(study)
     return {'summary': found.sentence, 'missing_term': found, 'fits': doc.fits(study),
             'heldout': doc.cells_document(cells(study)), 'trends': study.trends,
+            'ordinary_terms': [size for entry in study.searches.values()
+                               for size in sizes(entry, study.scales.pressure)],
             'contradiction': study.contradiction, 'models': ranking, 'ladder': steps,
             'outliers': [{'line': int(study.bench.lines[place]), 'path': path, 'sigma': sigma}
                          for place, path, sigma in study.outliers]}
@@ -130,10 +132,20 @@ def _models(content: dict) -> str:
     out = ('Loss models, ranked by the error on left-out rows over the noise; rms of slip and '
            'efficiency in points:\n'
            + table(['model', 'leakage', 'torque', 'slip', 'efficiency'], body))
+    out += '\nOrdinary terms, which the simple form has: ' + '; '.join(
+        f'{entry["title"]} ({entry["path"]}) {_sized(entry)}'
+        for entry in content['ordinary_terms']) + '.'
     for name, steps in content['ladder'].items():
         out += f'\nAdd a term, watch the error of the {name} fall: ' + ', then '.join(
             f'{step["title"]}: {step["held_out_error"]:.2f}' for step in steps) + '.'
     return out
+
+
+def _sized(entry: dict) -> str:
+    value, low, high = (entry[key] * {'1/Pa': 1e9, '1': 100.0}.get(entry['unit'], 1.0)
+                        for key in ('value', 'low', 'high'))
+    unit = {'1/Pa': '% per 100 bar', '1': '%'}.get(entry['unit'], entry['unit'])
+    return f'{value:.3g} {unit} (95 %: {low:.3g} to {high:.3g})'
 
 
 def _terms(found: Verdict) -> str:
@@ -154,4 +166,4 @@ def _terms(found: Verdict) -> str:
                      'error before', 'after', 'rivals'], body))
 
 
-__all__ = ['head', 'np', 'rows', 'shown', 'studied']
+__all__ = ['head', 'rows', 'shown', 'studied']

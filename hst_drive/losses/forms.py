@@ -148,8 +148,13 @@ class Form:
                     self.units, (*self.terms, *terms))
 
 
-def leakage_forms(units: int) -> list[Form]:
-    """Return the forms of a leakage path, the paper's trends as laws: gap and power."""
+def leakage_forms(units: int, top: float = 2.0) -> list[Form]:
+    """
+    Return the forms of a leakage path: the paper's trends as laws, written in three ways.
+
+    ``top`` is the highest pressure, scaled: up to there the conductance of the exponential form
+    grows by a third at most. More is what the term elastic_leakage is for.
+    """
     size = Parameter('size', -0.5, -3.0, 3.0, 1.5 if units > 1 else 1e-6)
     oil = Parameter('viscosity', 1.0, -0.5, 2.0, 0.3)
     start = Parameter('log conductance', -3.0, -25.0, 5.0)
@@ -157,6 +162,10 @@ def leakage_forms(units: int) -> list[Form]:
     def gap(v, x, within):
         return (np.exp(v[0]) * x.d**v[1] * x.n**-v[2] * x.p * (1.0 + v[3] * x.p + within)
                 / np.maximum(1.0 + v[4] * (x.w - 1.0), 0.02))
+
+    def exponential(v, x, within):
+        return (np.exp(v[0] + v[3] * x.p - v[4] * (x.w - 1.0)) * x.d**v[1] * x.n**-v[2] * x.p
+                * (1.0 + within))
 
     def power(v, x, within):
         return (np.exp(v[0]) * x.d**v[1] * x.n**-v[2] * x.p**(1.0 + v[3]) * x.w**-v[4]
@@ -167,6 +176,10 @@ def leakage_forms(units: int) -> list[Form]:
             start, size, oil, Parameter('pressure', 0.1, -0.3, 20.0, 3.0),
             Parameter('speed', 0.0, -0.6, 2.0, 0.5)), gap,
             'K D^a nu^-m P (1 + b P) / (1 + c (w - w0))', units),
+        Form('exponential', 'exponential', (
+            start, size, oil, Parameter('pressure', 0.05, -1.0, 0.3 / top, 1.0),
+            Parameter('speed', 0.0, -1.0, 2.0, 0.5)), exponential,
+            'K D^a nu^-m P exp(b P - c w)', units),
         Form('power', 'power law', (
             start, size, oil, Parameter('pressure', 0.1, -0.8, 4.0, 1.0),
             Parameter('speed', 0.0, -1.0, 2.0, 0.5)), power,
@@ -174,25 +187,33 @@ def leakage_forms(units: int) -> list[Form]:
 
 
 def torque_forms(units: int) -> list[Form]:
-    """Return the forms of the torque loss: sum of frictions, and R_1 as a power law."""
+    """Return the forms of the torque loss: sums of frictions, and R_1 as a power law."""
     spread = 0.7 if units > 1 else 1e-6
 
     def friction(v, x, within):
         return (v[0] * x.d**v[3] + v[1] * x.d**v[4] * x.p
                 + v[2] * x.d**v[5] * x.n**v[6] * x.w)
 
+    def film(v, x, within):
+        return (v[0] * x.d**v[3] + v[1] * x.d**v[4] * x.p
+                + v[2] * x.d**v[5] * (x.n * x.w)**v[6])
+
     def power(v, x, within):
         return np.exp(v[0]) * x.d**v[1] * x.p**v[2] * x.w**v[3] * x.n**v[4]
 
+    three = (Parameter('constant', 0.02, 0.0, 5.0), Parameter('load', 0.02, 0.0, 5.0),
+             Parameter('viscous', 0.02, 0.0, 5.0),
+             Parameter('constant size', 1.0, -2.0, 4.0, spread),
+             Parameter('load size', 1.0, -2.0, 4.0, spread),
+             Parameter('viscous size', 1.0, -2.0, 4.0, spread))
     return [
         Form('friction', 'constant, load and viscous friction', (
-            Parameter('constant', 0.02, 0.0, 5.0), Parameter('load', 0.02, 0.0, 5.0),
-            Parameter('viscous', 0.02, 0.0, 5.0),
-            Parameter('constant size', 1.0, -2.0, 4.0, spread),
-            Parameter('load size', 1.0, -2.0, 4.0, spread),
-            Parameter('viscous size', 1.0, -2.0, 4.0, spread),
-            Parameter('viscosity', 0.75, 0.0, 1.5, 0.3)), friction,
+            *three, Parameter('viscosity', 0.75, 0.0, 1.5, 0.3)), friction,
             'T0 D^a + f D^b P + c D^e nu^k w', units),
+        # Films that warm and thin out drag less than in proportion to speed, never more.
+        Form('film', 'constant, load and film friction', (
+            *three, Parameter('film', 0.7, 0.3, 1.0, 0.25)), film,
+            'T0 D^a + f D^b P + c D^e (nu w)^m', units),
         Form('power', 'power law', (
             Parameter('log resistance', -3.0, -20.0, 3.0),
             Parameter('size', 1.0, -2.0, 4.0, 1.0 if units > 1 else 1e-6),

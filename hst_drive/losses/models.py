@@ -25,7 +25,8 @@ import numpy as np
 
 _LAMINAR = Term('laminar', 'laminar leakage', lambda c, x: c * x.p / x.n, 'c P/nu', -0.5)
 _CONSTANT = Term('constant', 'constant', lambda c, x: c * np.ones_like(x.p), 'c')
-_ORIFICE = Term('orifice', 'turbulent leakage', lambda c, x: c * np.sqrt(x.p), 'c P^0.5', 2.0 / 3.0)
+_ORIFICE = Term('orifice', 'turbulent leakage', lambda c, x: c * np.sqrt(x.p), 'c P^0.5',
+                2.0 / 3.0)
 _VISCOUS = Term('viscous', 'viscous torque', lambda c, x: c * x.n * x.w, 'c nu w')
 _LOAD = Term('load', 'friction in proportion to pressure', lambda c, x: c * x.p, 'c P')
 _SQUARE = Term('square', 'torque with speed squared', lambda c, x: c * x.w**2, 'c w^2', 5.0 / 3.0)
@@ -73,8 +74,8 @@ def _polynomial(units: int, fluidity: bool) -> Form:
 
 def catalogue(units: int) -> list[Model]:
     """Return the models for a table of so many motors."""
-    gap, power = leakage_forms(units)
-    friction, power_torque = torque_forms(units)
+    gap, _, power = leakage_forms(units)
+    friction, _, power_torque = torque_forms(units)
     return [
         Model('constant_resistances', "paper's form, resistances of the oil's viscosity alone",
               _sum('constant', 'constant resistances', units, _LAMINAR),
@@ -138,9 +139,9 @@ def ladder(path: Path, weights: np.ndarray) -> list[tuple[str, str, float]]:
     left = dict(steps)
     fixed = {name for name, _ in steps.values()}
     out = [('constant_resistances', "resistances of the oil's viscosity alone",
-            judge(path, _held(form, fixed), weights).error)]
+            judge(path, held_at_zero(form, fixed), weights).error)]
     while left:
-        tried = {key: judge(path, _held(form, fixed - {name}), weights).error
+        tried = {key: judge(path, held_at_zero(form, fixed - {name}), weights).error
                  for key, (name, _) in left.items()}
         best = min(tried, key=tried.__getitem__)
         fixed -= {left[best][0]}
@@ -148,7 +149,7 @@ def ladder(path: Path, weights: np.ndarray) -> list[tuple[str, str, float]]:
     return out
 
 
-def _held(form: Form, names: set[str]) -> Form:
+def held_at_zero(form: Form, names: set[str]) -> Form:
     """Return a form with some of its own parameters held at zero."""
     own = tuple(Parameter(entry.name, 0.0, -1e-12, 1e-12, 1e-6) if entry.name in names else entry
                 for entry in form.own)

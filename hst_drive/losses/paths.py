@@ -4,9 +4,9 @@
 The losses of a table, each with its noise: leakage to the case, between the ports, torque.
 
 A path is what one resistance stands for: ``external`` (``R_el``), ``internal`` (``R_2``),
-``total`` (both, where there is no case drain flow) and ``torque`` (``R_1``). Formulas are fitted to
-the flow or torque itself, in which the sensors' errors are even, and not to a resistance, which
-runs off to infinity where a small loss drowns in noise.
+``total`` (both, where there is no case drain flow) and ``torque`` (``R_1``). Formulas are fitted
+to the flow or torque itself, in which the sensors' errors are even, and not to a resistance,
+which runs off to infinity where a small loss drowns in noise.
 """
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ class Path:
     def forms(self) -> list[Form]:
         """Return the paper's trends as laws, in two ways of writing."""
         units = self.x.unit.shape[1]
-        return torque_forms(units) if self.name == 'torque' else leakage_forms(units)
+        return (torque_forms(units) if self.name == 'torque'
+                else leakage_forms(units, float(self.x.p.max())))
 
 
 def paths_of(bench: Bench, scales: Scales) -> list[Path]:

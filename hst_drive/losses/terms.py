@@ -23,8 +23,10 @@ import numpy as np
 LEAST_Z = 4.5
 LEAST_ERROR = 1.05          # of the simple form, over the noise
 LEAST_FALL = 0.05
+NEXT_FALL = 0.10            # of a further term in the same loss
+LEAST_SHARE = 0.035         # of the whole loss, mean over the rows
 LEAST_EXCESS = 0.35         # share of the excess over the noise that a term must remove
-RIVAL_Z = 2.0
+RIVAL_Z = 2.5
 
 LEAKAGE = (
     Term('elastic_leakage', 'gaps that open with pressure, leakage with their height cubed',
@@ -96,6 +98,7 @@ class Search(NamedTuple):
     steps: tuple[Step, ...]
     trials: tuple[Trial, ...]
     forms: tuple[tuple[str, float], ...]
+    kinds: tuple[str, ...]
 
     @property
     def best(self) -> tuple[Form, Fit, HeldOut]:
@@ -146,7 +149,7 @@ def search(path: Path, most: int = 2) -> Search:
         steps.append(found)
         state = (found.trial.error, *found.trial[:3])
     return Search(path, form, fit, held, error, tuple(steps), first,
-                  tuple((entry[1].id, entry[0]) for entry in judged))
+                  tuple((entry[1].id, entry[0]) for entry in judged), kinds)
 
 
 def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
@@ -182,11 +185,13 @@ def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | 
     error = state[0]
     if error < LEAST_ERROR:
         return None
+    fall = NEXT_FALL if steps else LEAST_FALL
     named = {step.trial.term.id for step in steps}
     good = [trial for trial in trials
             if trial.z >= LEAST_Z and trial.term.id not in named
-            and trial.error < error * (1.0 - LEAST_FALL)
-            and error**2 - trial.error**2 > LEAST_EXCESS * max(error**2 - 1.0, 0.0)]
+            and trial.error < error * (1.0 - fall)
+            and error**2 - trial.error**2 > LEAST_EXCESS * max(error**2 - 1.0, 0.0)
+            and abs(term_share(path, trial, trial.coefficient)) >= LEAST_SHARE]
     if not good:
         return None
     good.sort(key=lambda trial: trial.error)

@@ -5,8 +5,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.losses.fit import Fit
+from hst_drive.losses.forms import Form
+from hst_drive.losses.ordinary import Ordinary, ordinary
 from hst_drive.losses.study import Study
-from hst_drive.losses.terms import Step
+from hst_drive.losses.terms import (
+    LEAST_ERROR, LEAST_FALL, LEAST_SHARE, LEAST_Z, Step, term_share)
 import numpy as np
 
 PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the ports',
@@ -21,6 +25,7 @@ class Missing(NamedTuple):
 
     ``size``, ``low``, ``high``: loss that the term makes at the table's highest pressure and
     speed in its middle motor (m^3/s or N.m), 95 %; ``share`` of the whole loss, mean over rows.
+    ``reason``: a form of its own, or why an ordinary term stands out.
     """
 
     id: str
@@ -37,6 +42,7 @@ class Missing(NamedTuple):
     error_before: float
     error_after: float
     rivals: tuple[str, ...]
+    reason: str
 
 
 class Verdict(NamedTuple):
@@ -56,14 +62,17 @@ def verdict(study: Study) -> Verdict:
         for step in entry.steps:
             terms.append(_missing(study, name, step, before))
             before = step.trial.error
+        stands_out = ordinary(entry, study.scales.pressure)
+        if stands_out:
+            terms.append(_ordinary(study, name, stands_out))
     would = would_show(study)
     left = {name: entry.error_after for name, entry in study.searches.items()
             if entry.error_after > LACKING}
     if not terms and not left:
         return Verdict('none', 'No term is missing: what the simple form leaves on left-out rows '
                        'is the noise of the sensors.', (), would)
-    parts = [f'{term.id} ({term.title}) in the {PLACE[term.path]}, {100 * term.share:.3g} % of '
-             f'it (95 %: {100 * term.share_low:.3g} to {100 * term.share_high:.3g}); the error on '
+    parts = [f'{term.id} ({term.title}{_why(term)}) in the {PLACE[term.path]}, '
+             f'{100 * term.share:.3g} % of it (95 %: {100 * term.share_low:.3g} to {100 * term.share_high:.3g}); the error on '
              f'left-out rows falls from {term.error_before:.2f} to {term.error_after:.2f} times '
              'the noise' + (f'; {" or ".join(term.rivals)} would do as well'
                             if term.rivals else '') for term in terms]
@@ -80,41 +89,66 @@ def verdict(study: Study) -> Verdict:
     return Verdict(word, f'{start}{text}.', tuple(terms), would)
 
 
+def _why(term: Missing) -> str:
+    return '' if term.reason == 'a form of its own' else f'; {term.reason}'
+
+
 def _missing(study: Study, name: str, step: Step, before: float) -> Missing:
-    trial, unit = step.trial, study.searches[name].path.unit
-    x = study.searches[name].path.x
-    # At the corner of the table, in a motor of the middle size.
-    corner = x.rows([0])._replace(
-        p=np.array([x.p.max()]), w=np.array([x.w.max()]), n=np.ones(1), d=np.ones(1),
-        unit=np.zeros((1, x.unit.shape[1])))
+    trial = step.trial
     place = next(index for index, parameter in enumerate(trial.form.parameters())
                  if parameter.name == trial.term.id
                  and trial.fit.values[index] == trial.coefficient)
-    without = trial.fit.values.copy()
+    return Missing(trial.term.id, trial.term.title, name, trial.term.text,
+                   *_size(study, name, trial.form, trial.fit, place, trial.sd),
+                   step.share, step.share_low, step.share_high, before, trial.error, step.rivals,
+                   'a form of its own')
+
+
+def _ordinary(study: Study, name: str, found: Ordinary) -> Missing:
+    path, values = study.searches[name].path, found.fit.values
+    without = values.copy()
+    without[found.place] = 0.0
+    whole = found.form(values, path.x)
+    share = float(np.sum(whole - found.form(without, path.x)) / np.sum(whole))
+    wide = 1.96 * found.sd / values[found.place]
+    return Missing(found.id, found.title, name, found.equation,
+                   *_size(study, name, found.form, found.fit, found.place, found.sd),
+                   share, share * (1 - wide), share * (1 + wide), found.error_before,
+                   found.error_after, (), found.reason)
+
+
+def _size(study: Study, name: str, form: Form, fit: Fit, place: int,
+          sd: float) -> tuple[float, float, float, str]:
+    """Return the loss that a parameter makes at the table's corner, its interval and unit."""
+    path = study.searches[name].path
+    corner = path.x.rows([0])._replace(
+        p=np.array([path.x.p.max()]), w=np.array([path.x.w.max()]), n=np.ones(1), d=np.ones(1),
+        unit=np.zeros((1, path.x.unit.shape[1])))
+    without = fit.values.copy()
     without[place] = 0.0
-    size = float((trial.form(trial.fit.values, corner) - trial.form(without, corner))[0]) * unit
-    wide = 1.96 * trial.sd / abs(trial.coefficient)
+    size = float((form(fit.values, corner) - form(without, corner))[0]) * path.unit
+    wide = 1.96 * sd / abs(fit.values[place])
     low, high = sorted((size * (1 - wide), size * (1 + wide)))
-    return Missing(trial.term.id, trial.term.title, name, trial.term.text, size, low, high,
-                   'N.m' if name == 'torque' else 'm^3/s', step.share, step.share_low,
-                   step.share_high, before, trial.error, step.rivals)
+    return size, low, high, 'N.m' if name == 'torque' else 'm^3/s'
 
 
 def would_show(study: Study) -> dict[str, dict[str, float]]:
     """
     Return, by path and term, the share of the loss from which a term would have been named.
 
-    From the standard deviation of its coefficient: the size beyond doubt.
+    From the standard deviation of its coefficient: the size that is beyond doubt and raises the
+    error of the form without it by enough.
     """
-    from hst_drive.losses.terms import LEAST_Z, term_share
-
     out: dict[str, dict[str, float]] = {}
     for name, entry in study.searches.items():
         named = {step.trial.term.id for step in entry.steps}
+        error, rows = entry.error_after, len(entry.path.y)
+        lifted = max(LEAST_ERROR, error / (1.0 - LEAST_FALL))**2 - error**2
+        z = max(LEAST_Z, float(np.sqrt(rows * max(lifted, 0.0))))
         for trial in entry.trials:
             if trial.term.id in named or trial.sd <= 0:
                 continue
-            share = abs(term_share(entry.path, trial, LEAST_Z * trial.sd))
+            share = max(LEAST_SHARE, abs(term_share(entry.path, trial, z * trial.sd)))
             known = out.setdefault(name, {})
             known[trial.term.id] = min(share, known.get(trial.term.id, np.inf))
     return out

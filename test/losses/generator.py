@@ -3,8 +3,8 @@
 """
 Motor bench tables with a known hidden effect, by equations of their own.
 
-Nothing of it comes from hst_drive: the oil follows Vogel's equation, gaps and frictions are written
-in other forms than those that the tool fits, and motors scatter about their law of sizes.
+Nothing of it comes from hst_drive: the oil follows Vogel's equation, gaps and frictions are
+written in other forms than those that the tool fits, and motors scatter about their law of sizes.
 """
 from dataclasses import dataclass, field
 
@@ -55,7 +55,7 @@ def random_recipe(rng, effect=''):
         float(rng.uniform(0.2, 0.5)), float(rng.choice([0.0, 0.03, 0.06])),
         {'pressure': 4e-4 * scale, 'flow': 1.2e-3 * scale, 'torque': 2e-3 * scale,
          'drain': 1e-2 * scale},
-        {'b': rng.uniform(0.0, 0.35), 'c': rng.uniform(0.0, 0.25), 'size': rng.uniform(-0.6, 0.9),
+        {'b': rng.uniform(0.0, 0.35), 'c': rng.uniform(0.08, 0.25), 'size': rng.uniform(-0.6, 0.9),
          'oil': rng.uniform(0.9, 1.0), 'slip': rng.uniform(0.02, 0.08),
          'split': rng.uniform(0.3, 0.6), 'constant': rng.uniform(0.005, 0.02),
          'load': rng.uniform(0.01, 0.03), 'viscous': rng.uniform(0.005, 0.025),
