@@ -30,6 +30,7 @@ from scipy.signal import lfilter
 
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW, 'pump_command', 'pprv_command', 'oil_temperature')
 _RATE = 100
+_SECOND = 1_000_000_000     # ns
 _PIECE = 20.0       # s between two corrections of the command
 _SPEED = 100 * np.pi / 30
 
@@ -44,12 +45,14 @@ def unit(rig: Rig, random: np.random.Generator) -> tuple[dict[str, float], dict[
                      TORQUE: accuracy.torque * random.standard_normal()}
 
 
-def drilling(rig: Rig, seed: int, minutes: float, effects=None) -> Iterator[dict[str, np.ndarray]]:
-    """Yield pieces of a recording of one unit; ``effects`` are hidden in it."""
+def drilling(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0
+             ) -> Iterator[dict[str, np.ndarray]]:
+    """Yield pieces of a recording of one unit, with ``effects`` from ``begin`` (min) on."""
     random = np.random.default_rng(seed)
     factors, offsets = unit(rig, random)
-    drive = Drive(rig, effects)
+    drive, later = Drive(rig), Drive(rig, effects)
     drive.scale(factors)
+    later.scale(factors)
     bank = SensorBank(replace(rig, effects={}), seed)
     level = random.uniform(1.5, 3.5)
     command = operating_point(drive, _SPEED, pprv_command=level).pump_command
@@ -58,6 +61,7 @@ def drilling(rig: Rig, seed: int, minutes: float, effects=None) -> Iterator[dict
     warm, clock = random.uniform(-4, 4), 0.0
     rough = np.zeros(1)
     for _ in range(round(minutes * 60 / _PIECE)):
+        drive = drive if clock < 60 * begin else later
         at = clock + np.arange(count + 1) / _RATE
         rock = np.minimum((np.arange(count + 1) / _RATE / random.uniform(2, 12)).astype(int), 9)
         pprv = random.uniform(0.8, 4.2, 10)[rock]
@@ -79,29 +83,33 @@ def drilling(rig: Rig, seed: int, minutes: float, effects=None) -> Iterator[dict
         clock += _PIECE
 
 
-def watch_unit(rig: Rig, seed: int, minutes: float, effects=None) -> tuple[int, list[str]]:
+def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0
+               ) -> tuple[int, list[str]]:
     """Return the watched blocks of one unit and what alarmed, each alarm once."""
     balances = Balances(rig, SIGNALS)
     watch = Watch(Calibration(balances.spread), Signatures(rig))
     alarms: list[str] = []
     held: dict[str, np.ndarray] | None = None
     before: tuple[str, ...] = ()
-    for piece in drilling(rig, seed, minutes, effects):
+    second = 0
+    for piece in drilling(rig, seed, minutes, effects, begin):
         first = 0 if held is None else round(LEAD * _RATE)
         held = piece if held is None else {
             name: np.concatenate([held[name][-first:], values]) for name, values in piece.items()}
         lead = round(LEAD * _RATE)
         for start in range(lead, len(held[SPEED]) - _RATE + 1, _RATE):
             part = slice(start - lead, start + _RATE)
-            window = Window(0, np.arange(lead + _RATE) / _RATE,
+            second += 1
+            window = Window(second * _SECOND, np.arange(lead + _RATE) / _RATE,
                             {name: values[part] for name, values in held.items()})
-            begin = round(LEAD * 1e9)
-            block = balances.of(window, begin, begin + 1_000_000_000)
+            inside = second * _SECOND + round(LEAD * _SECOND)
+            block = balances.of(window, inside, inside + _SECOND)
             if isinstance(block, str):
                 continue
             verdict = watch.add(block)
             new = set(verdict.failing) - set(before)
-            alarms += [f'unit {seed}, block {watch.blocks}: {name} {verdict.effects[:2]}'
+            named = ' or '.join(entry.effect for entry in verdict.effects)
+            alarms += [f'unit {seed}, block {watch.blocks}: {name}: {named}'
                        for name in sorted(new)]
             before = verdict.failing
     return watch.blocks, alarms

@@ -10,7 +10,8 @@ for a person who watches the drive; ``diagnose`` refits, holds data out, and dec
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from typing import Mapping, NamedTuple
 
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import Effect, Parameter, READABLE
@@ -110,7 +111,8 @@ def _alone(effect: Effect, parameter: Parameter) -> bool:
     return any(evaluate(function, {**known, **size}) != 0.0 for _, function in effect.terms)
 
 
-def likely(signatures: Signatures, blocks: list[Block], known: Calibration) -> tuple[Likely, ...]:
+def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
+           scatter: Mapping[str, float]) -> tuple[Likely, ...]:
     """
     Return the effects that explain the blocks alike well, the likeliest first.
 
@@ -122,12 +124,15 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration) -> t
         Since the failure began.
     known : Calibration
         From before it; may still move within what it does not know.
+    scatter : mapping of str to float
+        Variance from block to block by balance, beyond that of the sensors, SI.
 
     """
     rows, values, deviations, keys = [], [], [], []
     for place, block in enumerate(blocks):
         for balance, residual in block.residuals.items():
-            deviation = float(np.hypot(residual.noise, residual.floor))
+            deviation = math.sqrt(residual.noise**2 + residual.floor**2
+                                  + scatter.get(balance, 0.0)) or 1e-30
             row = known.row(residual)
             rows.append(row / deviation)
             values.append((residual.value - float(row @ known.mean)) / deviation)
@@ -137,7 +142,9 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration) -> t
         return ()
     design, error = np.array(rows), np.array(values)
     # The calibration as it was known is a prior: take out what it may still explain.
-    inner = design.T @ design + np.linalg.pinv(known.covariance + 1e-12 * np.diag(known.spread**2))
+    sigmas = np.outer(known.spread, known.spread)
+    inner = design.T @ design + np.linalg.inv(
+        known.covariance / sigmas + 1e-9 * np.eye(len(known.spread))) / sigmas
     absorb = np.linalg.solve(inner, design.T)
     total = float(error @ error - (error @ design) @ (absorb @ error))
     best: dict[str, Likely] = {}

@@ -167,7 +167,8 @@ class Watch:
         if self._passed % (1 + self._passed // 20) == 0:
             if len(self._blocks) > _NAMED_BY:
                 del self._blocks[1::2]
-            self._named = likely(self._signatures, self._blocks, self._frozen)
+            self._named = likely(self._signatures, self._blocks, self._frozen, {
+                name: _CAUTION * chart.scatter for name, chart in self.charts.items()})
         verdict.failing = tuple(failing)
         verdict.began, verdict.until = self._since, block.end
         verdict.since = min(self._since, self._before[0][0].start) if self._before else self._since

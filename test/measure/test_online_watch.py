@@ -1,0 +1,106 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The watch: closed forms of its parts, quiet on sound units, right on units that change."""
+from pathlib import Path
+
+from bench.watch import watch_unit
+from hst_drive.bag import read_log
+from hst_drive.measure.online.calibration import Calibration, LIMIT
+from hst_drive.measure.online.drive import Observer
+from hst_drive.measure.online.residuals import Residual
+from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+CASES = Path(__file__).resolve().parents[3] / 'shared' / 'cases'
+RIG = default_rig()
+
+
+def test_learning_is_bayesian_least_squares():
+    """Block after block comes to the closed form over all blocks."""
+    random = np.random.default_rng(2)
+    spread = {'a': 0.5, 'b': 2.0, 'c': 0.1}
+    learnt = Calibration(spread)
+    rows, values, deviation = random.standard_normal((40, 3)), [], 0.3
+    true = np.array([0.3, -1.1, 0.05])
+    for row in rows:
+        value = float(row @ true + deviation * random.standard_normal())
+        values.append(value)
+        learnt.learn(Residual(value, deviation, 0.0, dict(zip('abc', row))))
+    precision = np.diag([1 / s**2 for s in spread.values()]) + rows.T @ rows / deviation**2
+    assert learnt.covariance == pytest.approx(np.linalg.inv(precision))
+    assert learnt.mean == pytest.approx(np.linalg.solve(
+        precision, rows.T @ np.array(values) / deviation**2))
+
+
+def test_what_no_unit_explains_stays_in_the_residual():
+    learnt = Calibration({'a': 0.01})
+    for _ in range(200):
+        left = learnt.learn(Residual(1.0, 0.01, 0.0, {'a': 10.0}))
+    assert learnt.mean[0] == pytest.approx(LIMIT * 0.01)
+    assert left.value == pytest.approx(1.0 - 10.0 * LIMIT * 0.01)
+
+
+def test_a_lasting_deviation_within_the_drift_never_alarms():
+    random, chart = np.random.default_rng(3), Chart()
+    for stamp in range(100_000):
+        chart.add(0.5 * DRIFT + 0.5 * random.standard_normal(), stamp)
+        assert not chart.failing
+
+
+def test_a_jolt_does_not_alarm_and_a_jump_does_when_it_must():
+    chart = Chart()
+    chart.add(100.0, 1)
+    assert not chart.failing
+    for stamp in range(2, 20):
+        chart.add(0.0, stamp)
+    steps = 0
+    while not chart.failing:
+        chart.add(-3.0, 100 + steps)
+        steps += 1
+    assert steps == THRESHOLD / (3.0 - DRIFT) and chart.since == 100
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('seed', [11, 12])
+def test_units_within_tolerance_drill_without_alarm(seed):
+    """``python -m bench.watch`` does this for hundreds of hours."""
+    blocks, alarms = watch_unit(RIG, seed, 20.0)
+    assert blocks > 1000 and alarms == []
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('effect, balance', [
+    ('motor_leakage', 'motor_flow'), ('bearing_friction', 'motor_torque'),
+    ('gearbox_loss', 'load_torque'), ('pump_command_offset', 'pump_flow'),
+    ('torque_sensor_scale', 'torque')])
+def test_an_effect_that_starts_is_named_within_seconds(effect, balance):
+    """On a unit that is off its datasheet; the effect has its typical size."""
+    _, alarms = watch_unit(RIG, 21, 7.0, {effect: {}}, begin=5.0)
+    first = alarms[0]
+    block = int(first.partition('block ')[2].partition(':')[0])
+    assert 300 - 5 <= block <= 300 + 12
+    assert balance in first and effect in first
+
+
+@pytest.mark.skipif(not CASES.is_dir(), reason='the sample campaigns are not here')
+@pytest.mark.parametrize('case, log, name', [
+    ('no_effect', 'drilling', ''), ('no_effect', 'speed_sweep', ''),
+    ('no_effect_other_unit', 'drilling', ''), ('no_effect_other_unit', 'open_loop', ''),
+    ('worn_motor', 'drilling', 'motor_leakage'), ('dry_bearing', 'speed_sweep',
+                                                  'bearing_friction'),
+    ('warm_oil', 'speed_sweep', 'leakage_temperature')])
+def test_recordings_by_another_model(case, log, name):
+    """Sound units stay quiet; an effect that was there from the start shows all the same."""
+    run = read_log(CASES / case / f'{log}.csv')
+    signals = tuple(channel for channel in run.channels if channel != 'speed_setpoint')
+    observer, last = Observer(RIG, signals), None
+    for row, time in enumerate(run.time):
+        stamp = round((1.0 + time) * 1e9)
+        for channel in signals:
+            observer.put(channel, stamp, float(run[channel][row]))
+        for watched in observer.advance(stamp).watched:
+            last = watched.verdict or last
+            assert name or not last or not last.failing
+    assert [entry.effect for entry in last.effects][:1] == ([name] if name else [])
