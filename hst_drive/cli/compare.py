@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.measure.compare import compare, model_of
 
     if args.plot:
-        _check_plot(args.plot)
+        check_plot(args.plot)
     rig = rig_of(args)
     runs = read_logs(args.logs, args.channels)
     for entry in runs:
@@ -173,7 +173,8 @@ def _signals_json(signals: dict[str, ErrorSummary]) -> dict:
             for name, entry in signals.items()}
 
 
-def _check_plot(target: str) -> None:
+def check_plot(target: str) -> None:
+    """Refuse a picture that could not be written: better told before the work than after."""
     if not target.lower().endswith(('.png', '.pdf', '.svg')):
         raise InputError(f'--plot {target}: expected a name that ends in .png, .pdf or .svg')
     check_target(target)

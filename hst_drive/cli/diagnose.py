@@ -27,6 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_log_arguments(parser)
     parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
                         help='judge on this log (repeatable; default: a third of each LOG)')
+    parser.add_argument('--plot', metavar='FILE.png',
+                        help='draw how the error falls with each effect (.png, .pdf or .svg)')
     add_json_argument(parser)
 
 
@@ -34,6 +36,12 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose and print."""
     from hst_drive.diagnose.decide import diagnose
 
+    if args.plot:
+        from hst_drive.cli.compare import check_plot
+        from hst_drive.report.ladder_figure import ladder_figure, require_matplotlib
+
+        check_plot(args.plot)
+        require_matplotlib()
     rig = rig_of(args)
     runs = read_logs([*args.logs, *args.holdout], args.channels)
     for entry in runs:
@@ -45,6 +53,9 @@ def run(args: argparse.Namespace) -> int:
         print(text(result))
     if args.json:
         write_json(as_json(result), args.json)
+    if args.plot:
+        ladder_figure(result.ladder, args.plot)
+        say(f'wrote {args.plot}')
     return 0
 
 

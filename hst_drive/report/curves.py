@@ -73,6 +73,7 @@ def measured_curves(log: LogComparison, points: int) -> dict:
     return {'name': run.name, 'start': start, 'end': float(run.time[-1]), 'samples': len(run),
             'time': pack(thin_time(run.time - start, points)),
             'thinned': _bunch(len(run), points),
+            'leftOut': [[span.start - start, span.end - start] for span in log.judged.left_out],
             'inputs': {name: _curve(run[name], name, points) for name in INPUTS if name in run},
             'measured': {name: _curve(run[name], name, points) for name in log.signals}}
 

@@ -36,7 +36,7 @@ def error_maps(logs: Sequence[LogComparison], names: Sequence[str]) -> dict[str,
 
 
 def _signal(pairs: list[tuple[LogComparison, dict]], name: str) -> dict:
-    error = np.concatenate([log.model[name] - log.run[name] for log, _ in pairs])
+    error = np.concatenate([log.model[name] - log.measured(name) for log, _ in pairs])
     error = difference_from_si(error, CHANNELS[name].display)
     floors = [log.signals[name].floor for log, _ in pairs]
     floor = difference_from_si(math.sqrt(sum(value**2 for value in floors) / len(floors)),

@@ -36,8 +36,8 @@ def errors_section(variants: list[Variant]) -> Markup:
     return section('errors', 'How large the error is', *tables, note(
         'noise: the sensor’s, estimated from the record. floor: what a perfect model would still '
         'show, since the noise of the recorded inputs shakes the replay. × floor: rmse over '
-        'floor; 1 is a perfect model. All samples of all logs, as compare prints them; Russell’s '
-        'errors hide small errors on a large mean.'))
+        'floor; 1 is a perfect model. All logs, as compare judges them; Russell’s errors hide '
+        'small errors on a large mean.'))
 
 
 def _ratio(value: float) -> Markup:
@@ -56,8 +56,9 @@ def curves_section(variants: list[Variant]) -> Markup:
                 element('span', class_='buttons', id='view-buttons'), class_='controls'),
         plot('curve-plots', 'measured and model over time'),
         note('Above: measured (black) and model (orange). Below: model minus measured; the grey '
-             'band is twice the floor. Drag across a plot to zoom, double-click or press 0 to see '
-             'all; with the plots in focus ← → move the cursor, + − zoom, page keys pan.'),
+             'band is twice the floor; what is yellow is not judged. Drag across a plot to zoom, '
+             'double-click or press 0 to see all; with the plots in focus ← → move the cursor, '
+             '+ − zoom, page keys pan.'),
         element('p', '', class_='note', id='thinned'))
 
 
@@ -105,6 +106,8 @@ def _region(region: Region) -> list[str]:
 def notes_section(comparison: Comparison) -> Markup:
     """Return what the readers of the logs remarked; nothing if there is nothing."""
     lines = [f'{log.run.name}: {entry}' for log in comparison.logs for entry in log.run.notes]
+    lines += [f'{log.run.name}: not judged: {span.start:.2f} to {span.end:.2f} s ({span.why})'
+              for log in comparison.logs for span in log.judged.left_out]
     lines += [f'{log.run.name}: the clocks of commands and readings differ by '
               f'{1e3 * log.shift:.0f} ms; the commands were moved'
               for log in comparison.logs if log.shift]

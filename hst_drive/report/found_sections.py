@@ -29,13 +29,12 @@ def ladder_section(diagnosis: dict) -> Markup:
              *(f'{number(step["holdout"].get(name))} ({number(step["training"].get(name))})'
                for name in signals)] for place, step in enumerate(steps)]
     return section(
-        'ladder', 'The error falls', plot('ladder-plot', 'error after each step'),
+        'ladder', 'How far the error falls', plot('ladder-plot', 'error after each step'),
         table(['model', *(_title(name) for name in signals)], rows,
               'Error over the noise floor: held-out data (training data in brackets)'),
         note('Filled marks: held-out data, which no fit has seen. Hollow marks: training data. '
              'The line at 1 is what a perfect model would show. As diagnose judges: without the '
-             'seconds of a start from rest, of cavitation, and of single events, which the table '
-             'of errors below counts.'))
+             'worst blocks, single events, which the table of errors below counts.'))
 
 
 def _title(name: str) -> str:
@@ -106,9 +105,10 @@ def _unknown(unknown: dict) -> Markup:
         element('p', f'It enters at the {unknown["enters"].replace("_", " ")}, is seen in '
                 f'{_title(unknown["signal"])}, and depends on {depends}.')]
     if unknown.get('expression'):
-        parts += [element('p', unknown['expression'], class_='equation'),
-                  element('p', f'The formula explains {100 * unknown["explained"]:.0f} % of what '
-                          'is left there.')]
+        parts.append(element('p', unknown['expression'], class_='equation'))
+    if unknown.get('terms'):
+        parts.append(element('p', f'The formula explains {100 * unknown["explained"]:.0f} % of '
+                             'what is left there.'))
     if formula:
         falls = ', '.join(f'{_title(name)} {number(formula["before"][name])} to '
                           f'{number(formula["after"][name])}' for name in formula['before'])

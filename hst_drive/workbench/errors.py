@@ -21,7 +21,7 @@ def pooled(logs: Sequence[LogComparison]) -> dict[str, dict]:
     found = {}
     for name in dict.fromkeys(name for log in logs for name in log.signals):
         having = [log for log in logs if name in log.signals]
-        error = np.concatenate([log.model[name] - log.run[name] for log in having])
+        error = np.concatenate([log.model[name] - log.measured(name) for log in having])
         error = error[np.isfinite(error)]
         weights = [max(log.signals[name].samples, 1) for log in having]
         floor = math.sqrt(sum(weight * log.signals[name].floor**2

@@ -20,7 +20,8 @@ def made_up(wrong):
         'pump_command': random.uniform(4, 6, len(time)),
         'oil_temperature': np.full(len(time), 323.15)})
     error = wrong(pressure, speed) * np.pi / 30
-    return SimpleNamespace(run=run, model={'motor_speed': run['motor_speed'] + error},
+    return SimpleNamespace(run=run, measured=run.channels.get,
+                           model={'motor_speed': run['motor_speed'] + error},
                            signals={'motor_speed': SimpleNamespace(floor=np.pi / 30)})
 
 

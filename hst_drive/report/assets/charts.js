@@ -206,6 +206,10 @@ const Charts = (() => {
       const lower = this.box(picture, frame, 176, 242, [-1.06 * most, 1.06 * most], 3);
       draw('rect', {class: 'band', x: LEFT, width: width - RIGHT - LEFT, y: lower(2 * floor),
         height: Math.max(lower(-2 * floor) - lower(2 * floor), 0)}, picture);
+      for (const [begin, end] of this.log.leftOut || []) {
+        const [from, to] = [begin, end].map((t) => x(Math.min(Math.max(t, frame.low), frame.high)));
+        draw('rect', {class: 'left-out', x: from, width: to - from, y: 36, height: 206}, picture);
+      }
       this.timeAxis(picture, frame, 242);
       const curve = (kind, values, y) => draw('path', {class: `curve ${kind}`,
         d: line(time, values, first, last, x, y)}, picture);
