@@ -17,6 +17,9 @@ PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the por
          'total': 'leakage', 'torque': 'torque loss'}
 # A smooth law that left-out rows miss by more than this, over the noise, lacks something.
 LACKING = 1.35
+LEAST_ROWS = 20
+_NEEDS = {'speed': ('hydrodynamic_drag', 'mixed_friction', 'load_speed_friction'),
+          'load': ('bearing_friction', 'elastic_leakage', 'orifice_leakage')}
 
 
 class Missing(NamedTuple):
@@ -46,16 +49,28 @@ class Missing(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """``verdict``: none, missing_term, ambiguous or unknown; sentence; terms; limits."""
+    """
+    What is missing.
+
+    ``verdict``: none, missing_term, ambiguous, unknown (something is missing that the catalogue
+    has not) or not_decidable (too few rows). ``would_show``: share of the loss, by path and term,
+    from which a term would have been named; ``not_observable``: term and what the table lacks.
+    """
 
     verdict: str
     sentence: str
     terms: tuple[Missing, ...]
     would_show: dict[str, dict[str, float]]
+    not_observable: dict[str, str]
 
 
 def verdict(study: Study) -> Verdict:
     """Return what the table says is missing in the simple form."""
+    blind = not_observable(study)
+    if len(study.bench) < LEAST_ROWS:
+        return Verdict('not_decidable', f'Whether a term is missing cannot be told from '
+                       f'{len(study.bench)} rows; measure at least {LEAST_ROWS} operating points, '
+                       'three levels of speed and load among them.', (), {}, blind)
     terms = []
     for name, entry in study.searches.items():
         before = entry.error
@@ -65,14 +80,18 @@ def verdict(study: Study) -> Verdict:
         stands_out = ordinary(entry, study.scales.pressure)
         if stands_out:
             terms.append(_ordinary(study, name, stands_out))
-    would = would_show(study)
+    would = {name: {key: share for key, share in known.items() if key not in blind}
+             for name, known in would_show(study).items()}
+    reasons = '; '.join(f'{key} ({why})' for key, why in blind.items())
+    hidden = f' Not observable here: {reasons}.' if blind else ''
     left = {name: entry.error_after for name, entry in study.searches.items()
             if entry.error_after > LACKING}
     if not terms and not left:
         return Verdict('none', 'No term is missing: what the simple form leaves on left-out rows '
-                       'is the noise of the sensors.', (), would)
+                       f'is the noise of the sensors.{hidden}', (), would, blind)
     parts = [f'{term.id} ({term.title}{_why(term)}) in the {PLACE[term.path]}, '
-             f'{100 * term.share:.3g} % of it (95 %: {100 * term.share_low:.3g} to {100 * term.share_high:.3g}); the error on '
+             f'{100 * term.share:.3g} % of it (95 %: {100 * term.share_low:.3g} to '
+             f'{100 * term.share_high:.3g}); the error on '
              f'left-out rows falls from {term.error_before:.2f} to {term.error_after:.2f} times '
              'the noise' + (f'; {" or ".join(term.rivals)} would do as well'
                             if term.rivals else '') for term in terms]
@@ -83,10 +102,22 @@ def verdict(study: Study) -> Verdict:
     word = 'ambiguous' if any(term.rivals for term in terms) else 'missing_term'
     text = '; and '.join(parts)
     if not terms:
-        return Verdict('unknown', f'Cannot tell which term is missing: {text}.', (), would)
+        return Verdict('unknown', f'Cannot tell which term is missing: {text}.{hidden}', (),
+                       would, blind)
     start = 'The simple form lacks ' if word == 'missing_term' else \
         'The simple form lacks a term, and the table cannot tell for certain which: '
-    return Verdict(word, f'{start}{text}.', tuple(terms), would)
+    return Verdict(word, f'{start}{text}.{hidden}', tuple(terms), would, blind)
+
+
+def not_observable(study: Study) -> dict[str, str]:
+    """Return the terms that a table cannot show by form, and what it lacks."""
+    out = {}
+    for variable, terms in _NEEDS.items():
+        levels = len(study.bench.levels(variable)[1])
+        if levels < 3:
+            out |= {term: f'{levels} level{"s" if levels > 1 else ""} of {variable}, three needed'
+                    for term in terms}
+    return out
 
 
 def _why(term: Missing) -> str:
