@@ -38,7 +38,7 @@ def test_what_no_unit_explains_stays_in_the_residual():
     learnt = Calibration({'a': 0.01})
     for _ in range(200):
         left = learnt.learn(Residual(1.0, 0.01, 0.0, {'a': 10.0}))
-    assert learnt.mean[0] == pytest.approx(LIMIT * 0.01)
+    assert learnt.unit[0] == pytest.approx(LIMIT * 0.01)
     assert left.value == pytest.approx(1.0 - 10.0 * LIMIT * 0.01)
 
 

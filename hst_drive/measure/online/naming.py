@@ -25,7 +25,6 @@ _EQUAL = 0.06       # of the error: less does not tell one effect from another
 _CHANCE = 12.0      # of squared error in deviations: less may be chance
 _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
-_BEYOND = LIMIT + 1.0     # sigma
 _FAST = ('compliance', 'pump_lag', 'pump_stroke_time', 'pump_play', 'shaft_compliance',
          'shaft_load_share', 'speed_reading_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
@@ -135,7 +134,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
                                   + scatter.get(balance, 0.0)) or 1e-30
             row = known.row(residual)
             rows.append(row / deviation)
-            values.append((residual.value - float(row @ known.mean)) / deviation)
+            values.append((residual.value - float(row @ known.unit)) / deviation)
             deviations.append(deviation)
             keys.append((place, balance))
     if not rows:
@@ -156,8 +155,8 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
         square, along = float(column @ left), float(left @ error)
         if square <= 1e-12 * float(column @ column) or not square:
             continue
-        unit = known.mean + absorb @ (error - along / square * column)
-        if np.any(np.abs(unit) > _BEYOND * known.spread):
+        unit = known.unit + absorb @ (error - along / square * column)
+        if np.any(np.abs(unit) > 1.001 * LIMIT * known.spread):
             continue    # explains only together with a unit that nobody would deliver
         amount = along / square * size[fitted]
         share = along**2 / square / max(total, 1e-30)

@@ -25,6 +25,7 @@ DRIFT = 1.0
 THRESHOLD = 12.0
 _LIMIT = 6.0        # one block alone, a jolt, must not alarm
 _TOP = 2.0          # of the threshold: how much evidence must pass before the alarm does
+_FIRST = 15         # blocks from which a chart learns how rough its balance is, before it counts
 _SCATTER = 60       # blocks over which the scatter is learnt
 _CAUTION = 2.0      # on its variance, for blocks that follow each other are alike
 _MEMORY = 120       # blocks that are kept from before an alarm
@@ -42,6 +43,7 @@ class Chart:
     failing: bool = False
     scatter: float = 0.0
     last: float | None = None
+    seen: int = 0
 
     def rough(self, innovation: Innovation) -> Innovation:
         """
@@ -52,8 +54,11 @@ class Chart:
         found = Innovation(innovation.value, (
             innovation.deviation**2 + _CAUTION * self.scatter)**0.5)
         if self.last is not None:
-            step = min(0.5 * (innovation.value - self.last)**2, (3.0 * found.deviation)**2)
-            self.scatter += (step - self.scatter) / _SCATTER
+            step = 0.5 * (innovation.value - self.last)**2
+            if self.seen > _FIRST:
+                step = min(step, (3.0 * found.deviation)**2)
+            self.scatter += (step - self.scatter) / min(self.seen, _SCATTER)
+        self.seen += 1
         self.last = innovation.value
         return found
 
@@ -133,6 +138,7 @@ class Watch:
         self.charts: dict[str, Chart] = {}
         self._before: deque[tuple[Block, Calibration]] = deque(maxlen=_MEMORY)
         self._frozen: Calibration | None = None
+        self._known = calibration
         self._since = 0
         self._blocks: list[Block] = []
         self._named: tuple[Likely, ...] = ()
@@ -149,7 +155,8 @@ class Watch:
             found = (self._frozen.innovation(residual) if self._frozen
                      else self.calibration.learn(residual, chart.scatter))
             innovations[name] = chart.rough(found)
-            chart.add(innovations[name].score, block.start)
+            if chart.seen > _FIRST:
+                chart.add(innovations[name].score, block.start)
         if snapshot:
             self._before.append((block, snapshot))
         failing = sorted((name for name, chart in self.charts.items() if chart.failing),
@@ -165,9 +172,9 @@ class Watch:
             self._freeze(min(self.charts[name].since for name in failing))
         # The longer it lasts the less each block adds: fewer are kept, and it is named seldomer.
         if self._passed % (1 + self._passed // 20) == 0:
-            if len(self._blocks) > _NAMED_BY:
+            while len(self._blocks) > _NAMED_BY:
                 del self._blocks[1::2]
-            self._named = likely(self._signatures, self._blocks, self._frozen, {
+            self._named = likely(self._signatures, self._blocks, self._known, {
                 name: _CAUTION * chart.scatter for name, chart in self.charts.items()})
         verdict.failing = tuple(failing)
         verdict.began, verdict.until = self._since, block.end
@@ -182,6 +189,9 @@ class Watch:
         self._frozen = kept[0][1] if kept else self.calibration.copy()
         self.calibration = self._frozen.copy()
         self._passed = 0
-        self._blocks = [block for block, _ in kept]
+        self._blocks, self._known = [block for block, _ in kept], self._frozen
+        if self._frozen.beyond:
+            # It was there from the start: what was learnt has taken it in.
+            self._blocks, self._known = [block for block, _ in self._before], self._frozen.fresh()
         for _ in kept:
             self._before.pop()
