@@ -57,6 +57,7 @@ class Answers:
         self.bench = bench
         self.setting = setting
         self.job: Job | None = None
+        self._serials: dict[str, int] = {}
         self.asked: dict[str, Callable[[dict], object]] = {
             'start': self._start, 'quick': self._quick, 'log': self._log,
             'errors': self._errors, 'where': self._where, 'fit': self._fit,
@@ -88,6 +89,14 @@ class Answers:
             'rig': self.bench.base.bare.name, 'guided': self.setting.guided,
             'named': bool(self.bench.holdout), 'folder': str(self.setting.folder)}
 
+    def _stale(self, content: dict) -> Callable[[], bool]:
+        """Return whether a page has asked for something newer, once it has."""
+        page, serial = content.get('page'), content.get('serial')
+        if not isinstance(page, str) or not isinstance(serial, int) or len(page) > 40:
+            return lambda: False
+        self._serials[page] = max(serial, self._serials.get(page, 0))
+        return lambda: serial < self._serials[page]
+
     def _place(self, content: dict) -> int:
         place = content.get('log', 0)
         if isinstance(place, bool) or not isinstance(place, int) or not (
@@ -96,21 +105,25 @@ class Answers:
         return place
 
     def _quick(self, content: dict) -> dict:
+        self._stale(content)
         log, signals = self.bench.quick(read_model(content.get('model')), self._place(content))
         return {'curves': log and model_curves(log, POINTS), 'signals': signals}
 
     def _log(self, content: dict) -> dict:
         place = self._place(content)
-        log, = self.bench.compared(read_model(content.get('model')), [place])
+        log, = self.bench.compared(read_model(content.get('model')), [place],
+                                   self._stale(content))
         found = {'curves': model_curves(log, POINTS)}
         return {**found, 'log': measured_curves(log, POINTS)} if content.get('measured') else found
 
     def _errors(self, content: dict) -> dict:
-        return {'signals': self.bench.errors(read_model(content.get('model'))),
+        return {'signals': self.bench.errors(read_model(content.get('model')),
+                                             self._stale(content)),
                 'lost': self.bench.lost()}
 
     def _where(self, content: dict) -> dict:
-        logs = self.bench.compared(read_model(content.get('model')), range(len(self.bench.runs)))
+        logs = self.bench.compared(read_model(content.get('model')), range(len(self.bench.runs)),
+                                   self._stale(content))
         names = list(dict.fromkeys(name for log in logs for name in log.signals))
         return {'fails': error_maps(logs, names), 'signals': names}
 

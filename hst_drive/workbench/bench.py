@@ -18,6 +18,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare, LogComparison, model_of
 from hst_drive.measure.run import Run
 from hst_drive.workbench.errors import pooled
@@ -27,6 +28,10 @@ import numpy as np
 _REMEMBERED = 64            # comparisons of a log of a minute; fewer of longer ones
 _SAMPLES = 500_000
 _FIT_STEPS = 6
+
+
+class Superseded(InputError):
+    """Nobody waits for the answer any more."""
 
 
 class Workbench:
@@ -59,25 +64,45 @@ class Workbench:
         self.campaign = campaign_of(base.bare, runs, holdout)
         self.compared(base.start, range(len(self.runs)))
 
-    def compared(self, model: PageModel, places: Iterable[int]) -> list[LogComparison]:
-        """Return logs (by place) beside a model: what compare gives for each."""
+    def compared(self, model: PageModel, places: Iterable[int],
+                 stale: Callable[[], bool] = lambda: False) -> list[LogComparison]:
+        """
+        Return logs (by place) beside a model: what compare gives for each.
+
+        Raises
+        ------
+        Superseded
+            Once ``stale`` says that nobody waits for it any more.
+
+        """
         rig = self.base.rig(model)
-        drive = model_of(rig, self.runs)
-        key = model.key
+        places = list(places)
+        found = {place: log for place in places if (log := self._remembered(model.key, place))}
+        missing = [place for place in places if place not in found]
+        if missing:
+            drive = model_of(rig, self.runs)
 
-        def one(place: int) -> LogComparison:
-            with self._lock:
-                if (key, place) in self._known:
-                    self._known.move_to_end((key, place))
-                    return self._known[key, place]
-            found = compare(drive, [self.runs[place]]).logs[0]
-            with self._lock:
-                self._known[key, place] = found
-                while len(self._known) > self._room:
-                    self._known.popitem(last=False)
-            return found
+            def one(place: int) -> LogComparison:
+                if stale():
+                    raise Superseded('the page asks for something newer')
+                return compare(drive, [self.runs[place]]).logs[0]
 
-        return list(self._pool.map(one, places))
+            for place, log in zip(missing, self._pool.map(one, missing)):
+                found[place] = log
+                self._remember(model.key, place, log)
+        return [found[place] for place in places]
+
+    def _remembered(self, key: str, place: int) -> LogComparison | None:
+        with self._lock:
+            if (key, place) in self._known:
+                self._known.move_to_end((key, place))
+            return self._known.get((key, place))
+
+    def _remember(self, key: str, place: int, log: LogComparison) -> None:
+        with self._lock:
+            self._known[key, place] = log
+            while len(self._known) > self._room:
+                self._known.popitem(last=False)
 
     def quick(self, model: PageModel, place: int) -> tuple[LogComparison | None, dict]:
         """
@@ -127,7 +152,7 @@ class Workbench:
                 if name in found:
                     found[name][part] = ratio
 
-    def errors(self, model: PageModel) -> dict:
+    def errors(self, model: PageModel, stale: Callable[[], bool] = lambda: False) -> dict:
         """
         Return the errors of a model over all logs.
 
@@ -138,7 +163,7 @@ class Workbench:
             noise ratios that diagnose judges by.
 
         """
-        found = pooled(self.compared(model, range(len(self.runs))))
+        found = pooled(self.compared(model, range(len(self.runs)), stale))
         self._judge(found, self.campaign.errors(_campaign_model(model)))
         return found
 

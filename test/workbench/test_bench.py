@@ -183,6 +183,18 @@ def test_no_file_is_replaced(answers, tmp_path):
     assert (tmp_path / 'mine.yaml').read_text() == 'precious'
 
 
+def test_what_nobody_waits_for_is_left(answers):
+    older, newer = ({'model': {'effects': {'motor_leakage': {'conductance': size}}},
+                     'page': 'a', 'log': 0, 'serial': serial}
+                    for serial, size in ((1, 0.7e-12), (2, 0.8e-12)))
+    answers.answer('quick', newer)
+    with pytest.raises(InputError, match='newer'):
+        answers.answer('errors', older)
+    assert answers.answer('errors', newer)['signals']
+    # Another page has a count of its own.
+    assert answers.answer('errors', {**older, 'page': 'b'})['signals']
+
+
 def test_a_job_can_be_stopped(answers):
     assert answers.answer('diagnose', {'model': {}})['state'] == 'running'
     with pytest.raises(InputError, match='still at work'):

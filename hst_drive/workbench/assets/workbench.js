@@ -38,7 +38,8 @@
   let model = given.model, startErrors = null, lastErrors = null, fails = null;
   let past = [];          // models to go back to, each with the label of the change that followed
   let steps = [];         // rungs of the ladder
-  let label = 'start', busy = false, waiting = false, begun = 0;
+  let label = 'start', busy = false, serial = 0, begun = 0;
+  const page = String(Math.random()).slice(2);
 
   const plots = new Charts.TimePlots(byId('curve-plots'), given.titles);
   const effects = new Controls.Effects(byId('effects'), given.effects, change);
@@ -66,59 +67,76 @@
         make('td', {class: 'n'}, factor.toFixed(4)))))), clear);
   }
 
-  // First what one replay tells, then the numbers of compare. One question at a time; what
-  // changed meanwhile is asked when the answer is there.
+  // First what one replay tells; when the user rests, the numbers of compare.
   async function update() {
-    if (busy) { waiting = true; return; }
+    serial += 1;
+    if (busy) return;       // the loop below sees the new model
     busy = true;
+    let mine, asked, what, since;
     do {
-      waiting = false;
-      const asked = model, what = label, since = begun;
-      const seconds = () => ((performance.now() - since) / 1000).toFixed(2);
-      byId('error-table').classList.add('stale');
+      [mine, asked, what, since] = [serial, model, label, begun];
       try {
-        let told = '';
-        const log = Number(byId('log').value);
-        if (since && measured.has(log)) {
-          const near = await ask('quick', {model: asked, log});
-          if (near.curves) plots.show(measured.get(log), unpack(near.curves), ghost(log));
-          showErrors(near.signals, '≈ ');
-          await new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
-          told = `Shown in ${seconds()} s`;
-          byId('took').textContent = `${told}.`;
-          document.body.dataset.took = seconds();
-        }
-        if (waiting) continue;
-        await showLog(asked);
-        if (waiting) continue;
-        const found = await ask('errors', {model: asked});
-        byId('alerts').replaceChildren();
-        if (found.lost.length) alert(found.lost.join(' · '));
-        showErrors(found.signals, '');
-        step(found.signals, what);
-        if (told) byId('took').textContent = `${told}, as compare counts in ${seconds()} s.`;
-        if (!waiting) await showWhere(asked);
-        document.body.dataset.shown = JSON.stringify(asked);
+        await quick(asked, since);
       } catch (problem) {
-        alert(problem.message);
-        document.body.dataset.failed = problem.message;
+        if (mine === serial) { busy = false; failed(problem); return; }
       }
-    } while (waiting);
+    } while (mine !== serial);
     busy = false;
+    exact(mine, asked, what, since);
+  }
+
+  const failed = (problem) => {
+    alert(problem.message);
+    document.body.dataset.failed = problem.message;
+  };
+  const seconds = (since) => ((performance.now() - since) / 1000).toFixed(2);
+
+  async function quick(asked, since) {
+    const log = Number(byId('log').value);
+    if (!since || !measured.has(log)) return;
+    const near = await ask('quick', {model: asked, log, page, serial});
+    if (near.curves) plots.show(measured.get(log), unpack(near.curves), ghost(log));
+    showErrors(near.signals, '≈ ');
+    await new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+    document.body.dataset.took = seconds(since);
+    byId('took').textContent = `Shown in ${seconds(since)} s.`;
+  }
+
+  async function exact(mine, asked, what, since) {
+    const stale = () => mine !== serial;
+    try {
+      await showLog(asked, mine, stale);
+      if (stale()) return;
+      const found = await ask('errors', {model: asked, page, serial: mine});
+      if (stale()) return;
+      byId('alerts').replaceChildren();
+      if (found.lost.length) alert(found.lost.join(' · '));
+      showErrors(found.signals, '');
+      step(found.signals, what);
+      const told = document.body.dataset.took;
+      byId('took').textContent = since && told
+        ? `Shown in ${told} s, as compare counts in ${seconds(since)} s.` : '';
+      await showWhere(asked, mine, stale);
+      if (stale()) return;
+      document.body.dataset.shown = JSON.stringify(asked);
+    } catch (problem) {
+      if (!stale()) failed(problem);
+    }
   }
 
   const ghost = (log) => (byId('ghost').checked ? ghosts.get(log) : null);
 
-  async function showLog(asked) {
+  async function showLog(asked, mine, stale) {
     const log = Number(byId('log').value);
-    const found = await ask('log', {model: asked, log, measured: !measured.has(log)});
+    const found = await ask('log', {model: asked, log, measured: !measured.has(log), page,
+      serial: mine});
     if (found.log) measured.set(log, unpack(found.log));
     if (!ghosts.has(log)) {
       const first = JSON.stringify(asked) === JSON.stringify(given.model) ? found
         : byId('ghost').checked ? await ask('log', {model: given.model, log}) : null;
       if (first) ghosts.set(log, unpack(first.curves));
     }
-    plots.show(measured.get(log), unpack(found.curves), ghost(log));
+    if (!stale()) plots.show(measured.get(log), unpack(found.curves), ghost(log));
   }
 
   function showErrors(signals, about) {
@@ -166,8 +184,9 @@
     if (shown.length) Charts.ladder(byId('ladder-plot'), shown, given.titles);
   }
 
-  async function showWhere(asked) {
-    const found = await ask('where', {model: asked});
+  async function showWhere(asked, mine, stale) {
+    const found = await ask('where', {model: asked, page, serial: mine});
+    if (stale()) return;
     fails = found.fails;
     const choice = byId('where-signal');
     if (!choice.options.length) {
@@ -286,8 +305,9 @@
     ['copy', copy], ['reset', () => { change(given.model, 'start over'); steps = []; }],
     ['in', () => plots.zoomBy(0.5)], ['out', () => plots.zoomBy(2)],
     ['all', () => plots.zoom(...plots.full)]]) byId(id).addEventListener('click', act);
-  byId('log').addEventListener('change', () => update());
-  byId('ghost').addEventListener('change', () => update());
+  for (const id of ['log', 'ghost']) {
+    byId(id).addEventListener('change', () => { begun = performance.now(); update(); });
+  }
   byId('where-signal').addEventListener('change', paintWhere);
   byId('filter').addEventListener('input', () => effects.find(byId('filter').value));
   addEventListener('resize', () => { paintWhere(); paintLadder(); });
@@ -301,7 +321,8 @@
     Guide.start(byId('guide'), (id) => effects.toggle(id, !(id in model.effects)));
   }
   paintModel();
-  await update();
+  serial += 1;
+  await exact(serial, model, label, 0);
   if (notes.length) alert(notes.join(' · '));
   document.body.dataset.ready = 'yes';
 })().catch((problem) => {
