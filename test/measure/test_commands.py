@@ -24,7 +24,8 @@ def test_the_controllers_commands_come_back(seed, jitter):
     clear = np.abs(late) > 0.25 * jitter
     clear &= np.append(clear[1:], False)
     steps = controller_steps(time, {'pump_command': shown})['pump_command']
-    known = clear & (steps.low == steps.high)
+    # What comes between an early row and a late one no row shows.
+    known = clear & ((late >= 0) | np.append(late[1:] < 0, False))
     assert known.sum() > 0.3 * len(time)
     assert np.array_equal(steps.values[known], command[known])
     # Held from row to row, a quarter or more of the commands were wrong.
