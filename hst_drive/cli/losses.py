@@ -58,29 +58,33 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.bag.bench_table import read_points
     from hst_drive.cli import losses_transmission as many
     from hst_drive.cli.oils import oil_of
+    from hst_drive.losses.document import named
     from hst_drive.losses.table import bench_of
 
     table = read_points(args.bench, args.channels)
-    for note in table.notes:
-        say(f'{args.bench}: {note}')
     if many.is_transmissions(table):
         asked = [name for name in ('duty', 'output', 'plot') if getattr(args, name)]
         if asked:
             raise InputError(f'--{asked[0]}: {args.bench} is a table of transmissions without '
                              'flow and torque; give a motor bench table')
         content, shown = many.study_transmissions(table)
+        _say_all(args.bench, table.notes)
     else:
         oil = oil_of(args.oil, args.oils)
         bench = bench_of(table.columns, table.headers, table.lines, table.constants,
                          table.source, oil)
-        for note in bench.notes:
-            say(f'{args.bench}: {note}')
+        _say_all(args.bench, table.notes + bench.notes)
         content, shown = _motors(args, bench, oil)
     if args.json != '-':
         print(shown)
     if args.json:
-        write_json(content, args.json)
+        write_json(named(content), args.json)
     return 0
+
+
+def _say_all(source: str, notes: tuple[str, ...]) -> None:
+    for note in notes:
+        say(f'{source}: {note}')
 
 
 def _motors(args: argparse.Namespace, bench: Bench, oil: Callable) -> tuple[dict, str]:

@@ -153,7 +153,7 @@ def leakage_forms(units: int, top: float = 2.0) -> list[Form]:
     Return the forms of a leakage path: the paper's trends as laws, written in three ways.
 
     ``top`` is the highest pressure, scaled: up to there the conductance of the exponential form
-    grows by a third at most. More is what the term elastic_leakage is for.
+    grows by two thirds at most. More is what the term elastic_leakage is for.
     """
     size = Parameter('size', -0.5, -3.0, 3.0, 1.5 if units > 1 else 1e-6)
     oil = Parameter('viscosity', 1.0, -0.5, 2.0, 0.3)
@@ -177,7 +177,7 @@ def leakage_forms(units: int, top: float = 2.0) -> list[Form]:
             Parameter('speed', 0.0, -0.6, 2.0, 0.5)), gap,
             'K D^a nu^-m P (1 + b P) / (1 + c (w - w0))', units),
         Form('exponential', 'exponential', (
-            start, size, oil, Parameter('pressure', 0.05, -1.0, 0.3 / top, 1.0),
+            start, size, oil, Parameter('pressure', 0.05, -1.0, 0.5 / top, 1.0),
             Parameter('speed', 0.0, -1.0, 2.0, 0.5)), exponential,
             'K D^a nu^-m P exp(b P - c w)', units),
         Form('power', 'power law', (

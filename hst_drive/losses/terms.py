@@ -183,7 +183,7 @@ def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
 def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | None:
     """Return the term that is beyond doubt, with its rivals, or None."""
     error = state[0]
-    if error < LEAST_ERROR:
+    if error < least_error(path, state[1]):
         return None
     fall = NEXT_FALL if steps else LEAST_FALL
     named = {step.trial.term.id for step in steps}
@@ -203,6 +203,15 @@ def _named(path: Path, state, trials: list[Trial], steps: list[Step]) -> Step | 
             rivals.append(trial.term.id)
     share, low, high = _share(path, best)
     return Step(best, tuple(rivals), share, low, high)
+
+
+def least_error(path: Path, form: Form) -> float:
+    """
+    Return the held-out error above which a form may lack something.
+
+    Also a perfect form is off on left-out rows by what its parameters scatter; few rows, more.
+    """
+    return LEAST_ERROR * float(np.sqrt(1.0 + 2.0 * len(form.parameters()) / len(path.y)))
 
 
 def _worse(trial: Trial, best: Trial, kinds: tuple[str, ...]) -> bool:

@@ -10,7 +10,7 @@ from hst_drive.losses.forms import Form
 from hst_drive.losses.ordinary import Ordinary, ordinary
 from hst_drive.losses.study import Study
 from hst_drive.losses.terms import (
-    LEAST_ERROR, LEAST_FALL, LEAST_SHARE, LEAST_Z, Step, term_share)
+    least_error, LEAST_FALL, LEAST_SHARE, LEAST_Z, Step, term_share)
 import numpy as np
 
 PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the ports',
@@ -174,7 +174,7 @@ def would_show(study: Study) -> dict[str, dict[str, float]]:
     for name, entry in study.searches.items():
         named = {step.trial.term.id for step in entry.steps}
         error, rows = entry.error_after, len(entry.path.y)
-        lifted = max(LEAST_ERROR, error / (1.0 - LEAST_FALL))**2 - error**2
+        lifted = max(least_error(entry.path, entry.best[0]), error / (1.0 - LEAST_FALL))**2 - error**2
         z = max(LEAST_Z, float(np.sqrt(rows * max(lifted, 0.0))))
         for trial in entry.trials:
             if trial.term.id in named or trial.sd <= 0:

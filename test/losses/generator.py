@@ -90,7 +90,7 @@ def make(recipe, rng):
 
     laminar = number['slip'] * flow_unit * size**number['size'] * hard / oil**number['oil']
     laminar *= {'linear': (1 + number['b'] * bar / 100) / (1 + number['c'] * (rpm / 1000 - 1)),
-                'plain': 1.0, 'exponential': np.exp(0.7 * number['b'] * bar / 100
+                'plain': 1.0, 'exponential': np.exp(1.3 * number['b'] * hard
                                                     - number['c'] * rpm / 1000),
                 'power': (bar / 100)**(0.7 * number['b']) * (rpm / 1000)**-number['c']
                 }[recipe.gap]
