@@ -19,6 +19,7 @@ from hst_drive.report.markup import element, join, Markup, section, table
 from hst_drive.report.provenance import Provenance
 
 _HEADING = re.compile('<h2 id="([a-z]+)-title">(.*?)</h2>')
+SCRIPTS = ('draw.js', 'time_plots.js', 'maps.js', 'ladder.js', 'report.js')
 # Nothing may be fetched, whatever a log's name or a channel's says.
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 
@@ -50,7 +51,7 @@ def page(title: str, sentence: str, variants: Sequence[Variant], source: Provena
     if diagnosis:
         blocks += [rivals_section(diagnosis), unit_section(diagnosis)]
     blocks.append(_provenance(source))
-    script = '\n'.join(asset(name) for name in ('charts.js', 'report.js'))
+    script = '\n'.join(map(asset, SCRIPTS))
     data = json.dumps(_finite(_data(variants, diagnosis)), allow_nan=False)
     return '\n'.join([
         '<!DOCTYPE html>', '<html lang="en"><head><meta charset="utf-8">',

@@ -22,12 +22,12 @@ ADDRESS = '127.0.0.1'
 _LARGEST = 1 << 20      # bytes of a question
 _ASSETS = {
     '/': ('hst_drive.workbench', 'workbench.html', 'text/html'),
-    '/page.css': ('hst_drive.report', 'page.css', 'text/css'),
-    '/workbench.css': ('hst_drive.workbench', 'workbench.css', 'text/css'),
-    '/charts.js': ('hst_drive.report', 'charts.js', 'text/javascript'),
-    '/controls.js': ('hst_drive.workbench', 'controls.js', 'text/javascript'),
-    '/guide.js': ('hst_drive.workbench', 'guide.js', 'text/javascript'),
-    '/workbench.js': ('hst_drive.workbench', 'workbench.js', 'text/javascript'),
+    **{f'/{name}.css': (f'hst_drive.{package}', f'{name}.css', 'text/css')
+       for package, name in (('report', 'page'), ('workbench', 'workbench'))},
+    **{f'/{name}.js': (f'hst_drive.{package}', f'{name}.js', 'text/javascript')
+       for package, names in (('report', ('draw', 'time_plots', 'maps', 'ladder')),
+                              ('workbench', ('controls', 'talk', 'keep', 'guide', 'workbench')))
+       for name in names},
 }
 _HEADERS = {
     'Content-Security-Policy': "default-src 'none'; script-src 'self'; connect-src 'self'; "

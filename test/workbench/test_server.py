@@ -58,7 +58,7 @@ def test_it_answers_its_page(server):
         status, _, body = ask(server, **headers)
         assert status == 200 and json.loads(body) == {'a': 1}
     for path, kind in (('/', 'text/html'), ('/page.css', 'text/css'),
-                       ('/workbench.js', 'text/javascript'), ('/charts.js', 'text/javascript')):
+                       ('/workbench.js', 'text/javascript'), ('/maps.js', 'text/javascript')):
         status, headers, body = ask(server, 'GET', path)
         assert status == 200 and headers['Content-Type'].startswith(kind) and len(body) > 500
         assert "default-src 'none'" in headers['Content-Security-Policy']

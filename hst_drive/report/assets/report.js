@@ -13,16 +13,16 @@
       for (const key of ['inputs', 'measured', 'model', 'error']) {
         if (entry[key]) {
           made[key] = Object.fromEntries(Object.entries(entry[key]).map(([name, text]) =>
-            [name, Charts.unpack(text)]));
+            [name, Draw.unpack(text)]));
         }
       }
-      if (entry.time) made.time = Charts.unpack(entry.time);
+      if (entry.time) made.time = Draw.unpack(entry.time);
       unpacked.set(entry, made);
     }
     return unpacked.get(entry);
   };
 
-  const plots = new Charts.TimePlots(byId('curve-plots'), data.titles);
+  const plots = new TimePlots(byId('curve-plots'), data.titles);
   const curves = () => {
     const place = Number(byId('log').value), variant = Number(byId('variant').value);
     const log = open(data.logs[place]);
@@ -33,11 +33,11 @@
   const where = () => {
     const found = data.variants[Number(byId('where-variant').value)].fails;
     const signal = data.signals[Number(byId('where-signal').value)];
-    Charts.map(byId('map'), found[signal].map, data.titles);
-    Charts.strips(byId('strips'), found[signal], signal, data.titles);
+    Maps.map(byId('map'), found[signal].map, data.titles);
+    Maps.strips(byId('strips'), found[signal], signal, data.titles);
   };
   const ladder = () => {
-    if (data.ladder) Charts.ladder(byId('ladder-plot'), data.ladder, data.titles);
+    if (data.ladder) Ladder.show(byId('ladder-plot'), data.ladder, data.titles);
   };
   const button = (text, label, act) => {
     const made = document.createElement('button');

@@ -7,32 +7,7 @@
   const {make} = Controls;
   const byId = (id) => document.getElementById(id);
 
-  function alert(text) {
-    const close = make('button', {type: 'button', 'aria-label': 'close'}, '×');
-    const line = make('p', {}, make('span', {}, text), close);
-    close.addEventListener('click', () => line.remove());
-    byId('alerts').replaceChildren(line);
-  }
-
-  async function ask(name, content = {}) {
-    let answer;
-    try {
-      answer = await fetch(`api/${name}`, {method: 'POST', body: JSON.stringify(content),
-        headers: {'Content-Type': 'application/json'}});
-    } catch (problem) {
-      throw new Error('The workbench does not answer. Is its terminal still open? Start it again '
-        + 'there: hst-drive workbench');
-    }
-    const found = await answer.json();
-    if (!answer.ok) throw new Error(found.error);
-    return found;
-  }
-
-  const unpack = (entry) => Object.fromEntries(Object.entries(entry).map(([key, value]) => [key,
-    key === 'time' ? Charts.unpack(value) : ['inputs', 'measured', 'model', 'error'].includes(key)
-      ? Object.fromEntries(Object.entries(value).map(([name, text]) =>
-        [name, Charts.unpack(text)])) : value]));
-
+  const {alert, ask, unpack} = Talk;
   const given = await ask('start');
   const measured = new Map(), ghosts = new Map();
   let model = given.model, startErrors = null, lastErrors = null, fails = null;
@@ -41,7 +16,7 @@
   let label = 'start', busy = false, serial = 0, begun = 0;
   const page = String(Math.random()).slice(2);
 
-  const plots = new Charts.TimePlots(byId('curve-plots'), given.titles);
+  const plots = new TimePlots(byId('curve-plots'), given.titles);
   const effects = new Controls.Effects(byId('effects'), given.effects, change);
 
   function change(next, what) {
@@ -143,7 +118,7 @@
     const first = startErrors || signals, before = lastErrors || signals;
     const ratio = (value) => {
       const kind = value <= 1.25 ? 'good' : value <= 2 ? 'fair' : 'bad';
-      return make('span', {class: `ratio ${kind}`}, Charts.number(value));
+      return make('span', {class: `ratio ${kind}`}, Draw.number(value));
     };
     const rows = Object.entries(signals).map(([name, entry]) => {
       const {title, unit} = given.titles[name];
@@ -152,11 +127,11 @@
       return make('tr', {'data-signal': name, 'data-ratio': String(entry.ratio)},
         make('th', {scope: 'row'}, title),
         make('td', {class: 'n'}, about, ratio(entry.ratio)),
-        make('td', {class: 'n'}, Charts.number(entry.training)),
-        make('td', {class: 'n held'}, Charts.number(entry.held),
+        make('td', {class: 'n'}, Draw.number(entry.training)),
+        make('td', {class: 'n held'}, Draw.number(entry.held),
           make('span', {class: moved < 0 ? 'down' : 'up'}, arrow)),
-        make('td', {class: 'n'}, Charts.number(first[name].held)),
-        make('td', {class: 'n'}, entry.rmse === undefined ? '' : `${Charts.number(entry.rmse)} ${unit}`));
+        make('td', {class: 'n'}, Draw.number(first[name].held)),
+        make('td', {class: 'n'}, entry.rmse === undefined ? '' : `${Draw.number(entry.rmse)} ${unit}`));
     });
     byId('error-table').replaceChildren(make('table', {}, make('thead', {}, make('tr', {},
       ...['signal', 'all', 'training', 'held out', 'held out at the start', 'rmse'].map(
@@ -181,7 +156,7 @@
   function paintLadder() {
     const most = byId('ladder-plot').clientWidth < 500 ? 4 : 9;
     const shown = steps.length > most ? [steps[0], ...steps.slice(1 - most)] : steps;
-    if (shown.length) Charts.ladder(byId('ladder-plot'), shown, given.titles);
+    if (shown.length) Ladder.show(byId('ladder-plot'), shown, given.titles);
   }
 
   async function showWhere(asked, mine, stale) {
@@ -201,8 +176,8 @@
   function paintWhere() {
     const signal = byId('where-signal').value;
     if (!fails || !fails[signal]) return;
-    Charts.map(byId('map'), fails[signal].map, given.titles);
-    Charts.strips(byId('strips'), fails[signal], signal, given.titles);
+    Maps.map(byId('map'), fails[signal].map, given.titles);
+    Maps.strips(byId('strips'), fails[signal], signal, given.titles);
   }
 
   async function job(name, content, done) {
@@ -271,38 +246,14 @@
     update();
   }
 
-  async function save() {
-    try {
-      const {path, command} = await ask('save', {model, name: byId('name').value});
-      byId('kept').replaceChildren(`Saved ${path}. `, command ? 'The same numbers: ' : '',
-        make('code', {}, command));
-    } catch (problem) {
-      alert(problem.message);
-    }
-  }
-
-  async function copy() {
-    try {
-      const {command} = await ask('command', {model});
-      const text = make('textarea', {rows: 4, readOnly: true, 'aria-label': 'command line'});
-      text.value = command;
-      byId('kept').replaceChildren('Copied; run it where the logs are. ', text);
-      await navigator.clipboard.writeText(command).catch(() => {
-        byId('kept').firstChild.textContent = 'Copy this: ';
-        text.select();
-      });
-    } catch (problem) {
-      alert(problem.message);
-    }
-  }
-
+  Keep.start(() => model);
   byId('rig').textContent = given.rig;
   given.logs.forEach((log, place) => byId('log').append(make('option', {value: String(place)},
     log.name + (log.held ? ' (held out)' : ''))));
   byId('log-label').hidden = given.logs.length < 2;
   const notes = given.logs.flatMap((log) => log.notes.map((text) => `${log.name}: ${text}`));
-  for (const [id, act] of [['fit', fit], ['diagnose', diagnose], ['undo', undo], ['save', save],
-    ['copy', copy], ['reset', () => { change(given.model, 'start over'); steps = []; }],
+  for (const [id, act] of [['fit', fit], ['diagnose', diagnose], ['undo', undo],
+    ['reset', () => { change(given.model, 'start over'); steps = []; }],
     ['in', () => plots.zoomBy(0.5)], ['out', () => plots.zoomBy(2)],
     ['all', () => plots.zoom(...plots.full)]]) byId(id).addEventListener('click', act);
   for (const id of ['log', 'ghost']) {
