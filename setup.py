@@ -57,7 +57,7 @@ setup(
     extras_require={
         'fast': ['numba>=0.59'],
         'plot': ['matplotlib>=3.6'],
-        'test': ['hypothesis', 'pint', 'pytest', 'rosbags'],
+        'test': ['hypothesis', 'pint', 'playwright', 'pytest', 'rosbags'],
     },
     zip_safe=True,
     entry_points={
