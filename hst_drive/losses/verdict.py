@@ -18,6 +18,7 @@ PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the por
 # A smooth law that left-out rows miss by more than this, over the noise, lacks something.
 LACKING = 1.35
 LEAST_ROWS = 20
+_FITS = 1.1         # forms whose error is within this of the best one's
 _NEEDS = {'speed': ('hydrodynamic_drag', 'mixed_friction', 'load_speed_friction'),
           'load': ('bearing_friction', 'elastic_leakage', 'orifice_leakage')}
 
@@ -168,18 +169,26 @@ def would_show(study: Study) -> dict[str, dict[str, float]]:
     Return, by path and term, the share of the loss from which a term would have been named.
 
     From the standard deviation of its coefficient: the size that is beyond doubt and raises the
-    error of the form without it by enough.
+    error of the form without it by enough. Each way of writing the simple form that fits takes up
+    its own part of a term: the largest size over them counts.
     """
     out: dict[str, dict[str, float]] = {}
     for name, entry in study.searches.items():
         named = {step.trial.term.id for step in entry.steps}
+        fitting = [form for form, error in entry.forms if error < _FITS * entry.error]
         error, rows = entry.error_after, len(entry.path.y)
-        lifted = max(least_error(entry.path, entry.best[0]), error / (1.0 - LEAST_FALL))**2 - error**2
+        lifted = max(least_error(entry.path, entry.best[0]), error / (1.0 - LEAST_FALL))**2 \
+            - error**2
         z = max(LEAST_Z, float(np.sqrt(rows * max(lifted, 0.0))))
+        known: dict[str, dict[str, float]] = {}
         for trial in entry.trials:
-            if trial.term.id in named or trial.sd <= 0:
+            form = trial.form.id.partition('+')[0]
+            if trial.term.id in named or trial.sd <= 0 or form not in fitting:
                 continue
             share = max(LEAST_SHARE, abs(term_share(entry.path, trial, z * trial.sd)))
-            known = out.setdefault(name, {})
-            known[trial.term.id] = min(share, known.get(trial.term.id, np.inf))
+            shares = known.setdefault(trial.term.id, {})
+            shares[form] = min(share, shares.get(form, np.inf))
+        if known:
+            # 1: could be all of the loss and would not show.
+            out[name] = {term: min(max(shares.values()), 1.0) for term, shares in known.items()}
     return out
