@@ -100,7 +100,7 @@ class Campaign:
         self.drive = self._model()
         self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
-        self.floors = [replay.floor(self.drive) for replay in self.replays]
+        self.floors = [self._floor(replay) for replay in self.replays]
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._weights = [self._weigh(replay, index, len(runs), bool(holdout))
@@ -112,6 +112,9 @@ class Campaign:
 
     def _replay(self, run: Run):
         return Replay(run, self.drive)
+
+    def _floor(self, replay) -> dict[str, float]:
+        return replay.floor(self.drive, count=judged(replay.run).samples)
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""

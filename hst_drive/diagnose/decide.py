@@ -26,6 +26,7 @@ _RIVALS_TRIED = 6
 _BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 _BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
+_ALIKE_FORM = 0.18      # the same between effects that are declared alike
 _BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
@@ -146,21 +147,20 @@ def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
             for before, after in zip(ladder[1:], ladder[2:])]
 
 
-def _beaten(search: Search, best: Candidate, rival: Candidate,
-            without: Fit) -> bool:
+def _beaten(search: Search, best: Candidate, rival: Candidate, without: Fit,
+            uncertain: float) -> bool:
     """
     Say whether the data tell the rival from the best explanation.
 
     ``without`` is the best explanation with the effect in question taken out: a difference that
-    another formula of that effect could make does not count. Rivals have about as many
+    another formula of that effect could make, a share ``uncertain`` of what it does, does not
+    count. Rivals have about as many
     parameters, so that what was fitted may judge between them, too.
     """
-    if rival.score - best.score <= _BEATEN_SCORE:
-        return False
     for held_out in (True, False):
         found = search.gain(rival, best, held_out)
         done = contribution(search.campaign, without, best.fit, held_out)
-        form = sum((_BEATEN_FORM * value)**2 for value in done.values())
+        form = sum((uncertain * value)**2 for value in done.values())
         if sum(max(value, 0.0) for value in found.amount.values()) >= form and any(
                 found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
                 for name in found.share):
@@ -178,11 +178,17 @@ def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     if others:
         residual = search.likeness(name)
         singles.sort(key=lambda entry: -residual(entry))
-    found = search.try_all([((*others, entry), kept) for entry in singles[:_RIVALS_TRIED]],
-                           'trying rivals')
-    return tuple(next(entry for entry in rival.names if entry not in others)
-                 for rival in sorted(found, key=lambda item: item.score)
-                 if not _beaten(search, best, rival, without))
+    alike = [entry for entry in singles if entry in catalogue()[name].alike]
+    tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
+    found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals')
+    standing = []
+    for rival in sorted(found, key=lambda item: item.score):
+        entry = next(entry for entry in rival.names if entry not in others)
+        uncertain = _ALIKE_FORM if entry in alike else _BEATEN_FORM
+        if rival.score - best.score <= _BEATEN_SCORE or not _beaten(
+                search, best, rival, without, uncertain):
+            standing.append(entry)
+    return tuple(standing)
 
 
 def _ranking(search: Search) -> tuple[Ranked, ...]:

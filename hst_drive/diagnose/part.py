@@ -59,6 +59,9 @@ class PartCampaign(Campaign):
     def _replay(self, run: Run) -> PartReplay:
         return PartReplay(run, self.drive)
 
+    def _floor(self, replay: PartReplay) -> dict[str, float]:
+        return replay.floor(self.drive)
+
     @staticmethod
     def _weigh(replay: PartReplay, index: int, training: int, named: bool) -> np.ndarray:
         time = replay.run.time - replay.run.time[0]

@@ -85,7 +85,12 @@ class Search:
         return Candidate(names, best, score)
 
     def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
-        """Start at the typical size and a third of it, on the better side of a signed size."""
+        """
+        Return models to fit from, those that promise most.
+
+        Typical size and a third of it, of either sign, what the effect is alone, and where its
+        declaration says.
+        """
         new = [name for name in names if name not in start.effects]
         if not new:
             return [start]
@@ -97,11 +102,17 @@ class Search:
                       for place, (key, value) in enumerate(values.items())}
             if share < 0 and _lowest(name) >= 0:
                 continue
-            model = start.with_effect(name, scaled)
-            residual = self.campaign.training(self.campaign.errors(model))
-            trials.append((self.project(residual), model))
-        trials.sort(key=lambda item: item[0])
-        return [trials[0][1]]
+            trials.append(start.with_effect(name, scaled))
+        alone = self._known.get((name,))
+        further = catalogue(everything=True)[name].starts if alone is None else ()
+        trials += [start.with_effect(name, {**values, **entry}) for entry in further]
+        if alone is not None:
+            trials.append(start.with_effect(name, alone.fit.model.effects[name]))
+        return sorted(trials, key=self._promise)[:2 if further else 1]
+
+    def _promise(self, model: Model) -> float:
+        errors = self.campaign.errors(model, to_fit=True)
+        return self.project(self.campaign.training(errors))
 
     def project(self, residual: np.ndarray) -> float:
         """Return the squared error left once the unit's factors are free to help (linearised)."""

@@ -23,4 +23,5 @@ EFFECT = Effect(
     source='Torque of a hydromotor from the difference of its port pressures: H. E. Merritt, '
            'Hydraulic Control Systems, Wiley 1967; ISO 4409.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
+    alike=('bearing_friction', 'pressure_sensor_bias'),
 )

@@ -27,6 +27,7 @@ class Slot(NamedTuple):
 SLOTS: dict[str, Slot] = {
     'pump_command': Slot('pump actuator', 'V', 'added to the pump command'),
     'pump_play': Slot('pump actuator', 'V', 'width of the play between command and swash plate'),
+    'pump_play_softness': Slot('pump actuator', '1', 'how softly that play takes hold'),
     'pump_lag': Slot('pump actuator', 's', 'added to the displacement lag'),
     'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
@@ -53,7 +54,8 @@ READABLE: dict[str, str] = {
     'displacement': 'm^3/rad', 'pump_speed': 'rad/s', 'pump_pressure': 'Pa', 'pressure': 'Pa',
     'motor_speed': 'rad/s', 'motor_angle': 'rad', 'pump_command': 'V', 'pprv_command': 'V',
     'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
-    'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s', 'motor_displacement': 'm^3/rad',
+    'twist': 'rad', 'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s',
+    'motor_displacement': 'm^3/rad',
     'max_displacement': 'm^3/rad', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
     'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
 }
@@ -62,7 +64,7 @@ READABLE: dict[str, str] = {
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque'}
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist'}
 _KNOWN: dict[str, frozenset[str]] = {
     'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
     'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
@@ -130,6 +132,12 @@ class Effect:
         Channels of which at least one must be recorded for the effect to be seen.
     also : tuple of (str, callable)
         Further terms of the same effect, with the same parameters: slot and function.
+    alike : tuple of str
+        Effects that differ from this one by no more than formulas do from machines, so that a
+        better fit does not tell them apart where it is small.
+    starts : tuple of dict of str to float
+        Parameters from which a fit may start besides the typical ones: where the error has
+        several valleys, one of them must lie in each.
     searched : str
         Where a diagnosis tries it: 'always', only in logs of a part ('parts'), or 'never'.
 
@@ -150,6 +158,8 @@ class Effect:
     source: str
     shows_in: tuple[str, ...] = ()
     also: tuple[tuple[str, Callable[..., float]], ...] = ()
+    alike: tuple[str, ...] = ()
+    starts: tuple[dict[str, float], ...] = ()
     searched: str = 'always'
 
     def __post_init__(self):

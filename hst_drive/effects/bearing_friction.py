@@ -33,4 +33,5 @@ EFFECT = Effect(
            '30 (1994); bearing torque with constant and load part: J. Ivantysyn and M. '
            'Ivantysynova, Hydrostatic Pumps and Motors, Akademia Books 2001.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
+    alike=('back_pressure', 'pressure_sensor_bias'),
 )

@@ -4,9 +4,9 @@
 from hst_drive.effects.base import Effect, Parameter
 
 
-def torque(load_torque, fraction):
+def torque(load_torque, fraction, no_load):
     """Return the torque that the gear adds to the load, N.m."""
-    return fraction * load_torque
+    return fraction * (load_torque + no_load)
 
 
 EFFECT = Effect(
@@ -14,10 +14,12 @@ EFFECT = Effect(
     title='the gear takes its share of the torque',
     slot='load_torque',
     function=torque,
-    equation='T = fraction * T_load',
+    equation='T = fraction * (T_load + no_load)',
     parameters=(
         Parameter('fraction', '1', 0.0, 0.6, 0.06,
                   'lost torque over the torque of the loading pump'),
+        Parameter('no_load', 'N.m', 0.0, 500.0, 3.0,
+                  'load that costs as much as the gear takes without load'),
     ),
     telltale="Pressure and measured torque are both higher than the loading pump's pressure "
              'explains, in proportion to load.',

@@ -23,4 +23,5 @@ EFFECT = Effect(
     source='Zero-measured output, the constant part of a sensor error: IEC 61298-2; E. O. '
            'Doebelin, Measurement Systems, McGraw-Hill 2003.',
     shows_in=('pump_outlet_pressure',),
+    alike=('back_pressure', 'bearing_friction'),
 )

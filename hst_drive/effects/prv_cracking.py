@@ -8,13 +8,13 @@ own valve equation takes over.
 """
 from hst_drive.effects.base import Effect, Parameter
 
-ROUNDING = 0.01   # of the set pressure: how gently the line sets in
+SHARP = 0.01   # of the set pressure: the shortest way from rest into a straight line
 
 
-def flow_loss(pump_pressure, relief_pressure, gradient, cracking_ratio):
+def flow_loss(pump_pressure, relief_pressure, gradient, cracking_ratio, rounding):
     """Return the relief flow below the set pressure, m^3/s: from rest into a straight line."""
     over = max(min(pump_pressure, relief_pressure) - cracking_ratio * relief_pressure, 0.0)
-    return gradient * over * over / (over + ROUNDING * relief_pressure)
+    return gradient * over * over * (1.0 + rounding) / (over + rounding * relief_pressure)
 
 
 EFFECT = Effect(
@@ -22,13 +22,17 @@ EFFECT = Effect(
     title='the relief valve starts to pass oil below its set pressure',
     slot='pump_flow_loss',
     function=flow_loss,
-    equation='Q = gradient * x^2/(x + 0.01*P_set), x = P - cracking_ratio*P_set, 0 below',
+    equation='Q = gradient * x^2*(1 + rounding)/(x + rounding*P_set), '
+             'x = P - cracking_ratio*P_set, 0 below',
     parameters=(
         Parameter('gradient', 'm^3/(s.Pa)', 0.0, 1e-10, 3e-12,
-                  'relief flow per pressure above the cracking pressure'),
+                  'relief flow per pressure above the cracking pressure, far above it'),
         Parameter('cracking_ratio', '1', 0.15, 0.98, 0.3,
                   'cracking pressure over set pressure; a valve that leaks from still less on '
                   'acts like a worn pump', neutral=0.3),
+        Parameter('rounding', '1', SHARP, 3.0, 0.05,
+                  'over set pressure: where the flow has come half-way from a square to a '
+                  'straight line over pressure', neutral=SHARP),
     ),
     telltale='Flow is missing above a certain pressure only; below it the drive is as it should '
              'be.',

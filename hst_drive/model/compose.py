@@ -37,6 +37,7 @@ CONSTANTS = {
     'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
+    'SHAFT_STEP': 0.12,               # of the root of inertia times compliance
     'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
     'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }
@@ -46,7 +47,7 @@ OUTPUTS: tuple[str, ...] = (
     'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure')
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
-    'twist', 'speed_reading', 'play')
+    'twist', 'speed_reading', 'play', 'last_command')
 
 
 class Kernel(NamedTuple):
@@ -171,7 +172,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     parts.append('\n'.join(
         f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", '
         f'forceinline={name in inner})({name})'
-        for name in (*inner, 'load_record', 'derivatives', 'simulate')))
+        for name in (*inner, 'played', 'load_record', 'derivatives', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
     import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]

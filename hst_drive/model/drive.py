@@ -140,7 +140,7 @@ class Drive:
                      pprv_pressure if pressure is None else pressure, speed,
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
         state[5] = state[7] = speed
-        state[8] = pump_command
+        state[8] = state[9] = pump_command
         return state
 
     def simulate(self, time: np.ndarray, inputs: Mapping[str, np.ndarray],

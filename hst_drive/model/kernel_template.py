@@ -61,6 +61,28 @@ def smooth_sign(speed):
     return math.tanh(speed / SIGN_WIDTH)
 
 
+def played(follower, last, command, half, softness):
+    """
+    Return where the follower of a play goes when the command moves from ``last`` to ``command``.
+
+    Hard (softness 0): the play operator. Soft: what the play holds back, z, command minus
+    follower, grows as with Bouc and Wen, ``dz/du = 1 - |z/half|^(1/softness)`` on the way out and
+    1 on the way back.
+    """
+    if softness < 0.02:
+        return min(max(follower, command - half), command + half)
+    # Steps of a tenth of ``half``; after some forty of them the play is taken up anyhow.
+    steps = min(int(10.0 * abs(command - last) / half) + 1, 40)
+    change = (command - last) / steps
+    held = min(max(last - follower, -half), half)
+    for _ in range(steps):
+        step = change
+        if held * change > 0.0:
+            step *= 1.0 - (abs(held) / half)**(1.0 / softness)
+        held = min(max(held + step, -half), half)
+    return command - held
+
+
 def load_model(motor_speed, pprv_pressure, pprv_command, oil_temperature, motor_angle, p, on,
                values, layout):
     """Return the torque with which the loading unit brakes, Eq. (7) with the gear ratio."""
@@ -110,7 +132,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
     Returns flow into the hydromotor, its inlet pressure, its torque, load torque, flow that the
     pump delivers beyond the relief valve's, pump speed, hydromotor leakage, compressibility,
-    shaft torque, relief flow, pressure drop of the line.
+    shaft torque, relief flow, pressure drop of the line, compliance of the shaft.
     """
     motor_displacement = p[P_motor_displacement]
     max_displacement = p[P_max_displacement]
@@ -179,7 +201,8 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         shaft_torque = (twist + SHAFT_DAMPING_TIME * (motor_speed - load_speed)) / max(
             shaft_compliance, SHAFT_RIGID / p[P_inertia])
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
-            motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop)
+            motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
+            shaft_compliance)
 
 
 def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
@@ -187,7 +210,7 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
                 viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, values, layout):
     """Return the time derivatives of the eight states."""
     (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-     shaft_torque, relief_flow, line_drop) = balances(
+     shaft_torque, relief_flow, line_drop, shaft_compliance) = balances(
         displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
         pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values,
         layout)
@@ -230,7 +253,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     n = len(time)
     displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
-    twist, reading, play = state[6], state[7], state[8]
+    twist, reading, play, last_command = state[6], state[7], state[8], state[9]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     for k in range(n):
@@ -245,11 +268,15 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         # slot pump_command
         pump_play = 0.0
         # slot pump_play
+        pump_play_softness = 0.0
+        # slot pump_play_softness
+        whole_command = pump_command
         if pump_play > 0.0:
-            play = min(max(play, pump_command - 0.5 * pump_play), pump_command + 0.5 * pump_play)
+            play = played(play, last_command, pump_command, 0.5 * pump_play, pump_play_softness)
             pump_command = play
         else:
             play = pump_command
+        last_command = whole_command
         pump_lag = p[P_displacement_lag]
         # slot pump_lag
         pump_stroke_time = 0.0
@@ -270,7 +297,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             pprv_command, T_PPRV_PRESSURE, values, layout)
 
         (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-         shaft_torque, relief_flow, line_drop) = balances(
+         shaft_torque, relief_flow, line_drop, shaft_compliance) = balances(
             displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
             twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
             p, on, values, layout)
@@ -309,14 +336,17 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
                 viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, values, layout)
             step = max_step
+            if on[ON_SHAFT]:
+                step = min(step, SHAFT_STEP * math.sqrt(
+                    max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
             # A full step would start in, or run into, what is stiff.
             if abs(motor_speed) < STIFF_SPEED + abs(a[2]) * step or (
                     pump_pressure + max(a[1], 0.0) * step
-                    > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]) or on[ON_SHAFT]:
-                step = 0.1 * max_step
-                if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED:
-                    # So much less inertia meets the same friction at standstill.
-                    step *= SHAFT_STIFF_SHARE
+                    > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]):
+                step = min(step, 0.1 * max_step)
+            if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED + abs(a[5]) * step:
+                # So much less inertia meets the same friction at standstill.
+                step = min(step, 0.1 * max_step) * SHAFT_STIFF_SHARE
             step = remaining / math.ceil(remaining / step - 1e-9)
             h = 0.5 * step
             d2 = d1 + slope * h
@@ -359,4 +389,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             break
     state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
-    state[6], state[7], state[8] = twist, reading, play
+    state[6], state[7], state[8], state[9] = twist, reading, play, last_command

@@ -20,6 +20,7 @@ from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
+from hst_drive.model.kernel_template import played
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -154,7 +155,8 @@ class PartModel:
             return self.factor('pump.displacement_vs_command') * pump.displacement(command)
         play = float(np.max(self.terms('pump_play', known)))
         if play > 0:
-            command = _play(command, 0.5 * play)
+            command = _play(command, 0.5 * play,
+                            float(np.max(self.terms('pump_play_softness', known))))
         target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))
@@ -244,12 +246,12 @@ def _over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
     return FunctionType(function.__code__, arrays)
 
 
-def _play(command: np.ndarray, half: float) -> np.ndarray:
+def _play(command: np.ndarray, half: float, softness: float) -> np.ndarray:
     """Return a command behind a play of twice ``half``."""
-    behind, inside = np.empty(len(command)), command[0]
+    behind, inside, last = np.empty(len(command)), command[0], command[0]
     for k, value in enumerate(command):
-        inside = min(max(inside, value - half), value + half)
-        behind[k] = inside
+        inside = played(inside, last, value, half, softness)
+        behind[k], last = inside, value
     return behind
 
 

@@ -34,7 +34,7 @@ RANGES = {
     'motor_leakage': (0.0, 1e-3), 'motor_displacement': (1e-7, 1e-2),
     'max_displacement': (1e-7, 1e-4), 'bulk_modulus': (2e8, 2e9), 'oil_density': (700.0, 1000.0),
     'relief_pressure': (5e6, 4e7), 'pistons': (3.0, 15.0), 'characterised_at': (273.0, 373.0),
-    'nominal_speed': (50.0, 400.0),
+    'nominal_speed': (50.0, 400.0), 'twist': (-1.0, 1.0),
 }
 PINT = pint.UnitRegistry()
 
@@ -77,7 +77,7 @@ def test_declaration_says_all(effect):
     assert effect.telltale.endswith('.') and not effect.title.endswith('.')
     assert any(digit.isdigit() for digit in effect.source)
     assert effect.shows_in and set(effect.shows_in) <= set(CHANNELS)
-    assert 1 <= sum(not entry.fixed for entry in effect.parameters) <= 2
+    assert 1 <= sum(not entry.fixed for entry in effect.parameters) <= 3
     for entry in effect.parameters:
         assert entry.meaning and entry.low <= entry.neutral <= entry.high
         assert entry.low < entry.typical < entry.high
