@@ -170,7 +170,7 @@ def _paper_page(study: Study, pyplot):
             if log:
                 axis.set_yscale('log')
                 for formatter in (axis.yaxis.set_major_formatter, axis.yaxis.set_minor_formatter):
-                    formatter(lambda value, _: f'{value:.3g}')
+                    formatter(lambda value, _: f'{value:g}')
                 axis.tick_params(axis='y', which='minor', labelsize=6)
     _legend(figure, pyplot, labels)
     return figure
