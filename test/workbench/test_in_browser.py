@@ -202,6 +202,9 @@ def test_a_narrow_window_is_usable(browser, served, width):
     watched.page.check('#switch-motor_leakage')
     watched.until(f'"motor_leakage" in {SHOWN}.effects')
     assert watched.overflow() <= 0 and watched.problems == []
+    # Held-out errors stand beside training errors without a scroll.
+    assert watched.page.evaluate('[...document.querySelectorAll("#error-table .held")].every('
+                                 '(cell) => cell.getBoundingClientRect().right <= innerWidth)')
     # The errors stay in sight while a switch is turned.
     assert watched.page.evaluate('document.getElementById("error-table").getBoundingClientRect()'
                                  '.bottom > 0')
