@@ -10,7 +10,7 @@ from rosbags.typesys import get_typestore, Stores
 from .processes import messages, node, run, wait_for
 
 rclpy = pytest.importorskip('rclpy')
-BEGIN, SECONDS = 14.0, 32.0
+BEGIN, SECONDS = 20.0, 38.0
 LEAKAGE = 1.3e-12       # m^3/(s.Pa)
 RIG = default_rig()
 
@@ -99,7 +99,7 @@ def test_resistances_are_the_plants_once_the_range_was_visited(found):
     for time, value, model, uncertainty in before:
         fine = np.linspace(time - 1, time, 101)
         _, mechanical, leak, pressure = truth_at(rows, fine)
-        assert value == pytest.approx((pressure / leak).mean(), rel=0.04)
+        assert value == pytest.approx((pressure / leak).mean(), rel=0.03)
         assert model == pytest.approx((pressure / leak).mean(), rel=0.01)
         assert 0 < uncertainty < value
     port = rows['port_resistance'][rows['port_resistance'][:, 0] < BEGIN]
@@ -109,12 +109,17 @@ def test_resistances_are_the_plants_once_the_range_was_visited(found):
         through = RIG.motor.displacement * np.interp(
             fine, rows['truth/motor'][:, 0], rows['truth/motor'][:, 1])
         drop = pressure * (1 - mechanical)
-        assert value == pytest.approx((drop / through).mean(), rel=0.02)
+        assert value == pytest.approx((drop / through).mean(), rel=0.03)
+    # All that this plant leaks goes to the case.
     drained = rows['external_leakage_resistance']
-    assert len(drained) and 'internal_leakage_resistance' not in rows
+    drained = drained[(drained[:, 0] > 8) & (drained[:, 0] < BEGIN)]
+    for time, value, *_ in drained:
+        _, _, leak, pressure = truth_at(rows, np.linspace(time - 1, time, 101))
+        assert value == pytest.approx((pressure / leak).mean(), rel=0.03)
+    assert 'internal_leakage_resistance' not in rows
     reasons = [value.value for _, status in words if status.name.endswith('watch')
                for value in status.values if value.key == 'resistances']
-    assert 'not valid yet' in reasons[0] and reasons[-1] == 'valid'
+    assert 'not valid yet' in reasons[0] and 'valid' in reasons
 
 
 def test_the_watch_names_the_effect_within_seconds_and_points_to_the_section(found, bag):
@@ -124,12 +129,14 @@ def test_the_watch_names_the_effect_within_seconds_and_points_to_the_section(fou
     alarms = [(time, status) for time, status in said if status.level == 1]
     first, status = alarms[0]
     assert BEGIN < first <= BEGIN + 6
-    assert 'fails since 14 s' in status.message
+    assert 'fails since 20 s' in status.message
     assert 'motor_leakage' in status.message
     assert all('motor_leakage' in later.message for _, later in alarms)
     values = {value.key: value.value for value in alarms[-1][1].values}
     assert set(values['balances'].split(', ')) == {'hydromotor flow', 'case drain'}
-    assert values['effects'].startswith('motor_leakage (conductance about 0.0078')
+    first, _, size = values['effects'].partition(' (conductance about ')
+    assert first == 'motor_leakage'
+    assert float(size.split()[0]) == pytest.approx(LEAKAGE * 6e9, rel=0.03)   # L/min/bar
     assert values['diagnose'] == f'hst-drive diagnose {bag}'
     low, high = float(values['section_from']) - 1, float(values['section_to']) - 1
     assert low < BEGIN < high <= SECONDS

@@ -70,13 +70,14 @@ class Characteristic:
             drain: float = math.nan) -> None:
         """Take the means of a block (SI): losses beyond the model, and the case drain flow."""
         row = np.array([pressure, speed, excess_flow, missing_torque, drain])
-        if not np.all(np.isfinite(row[:4])):
+        if not np.all(np.isfinite(row[:4])) or not pressure > 0.0:
             return
+        row[4] /= pressure      # nearly the same all over a bucket
         key = self._key(pressure, speed)
         count = self._counts[key] = self._counts.get(key, 0) + 1
         known = self._buckets.setdefault(key, row.copy())
         if not math.isfinite(known[4]):
-            known[4] = drain
+            known[4] = row[4]
         known += np.where(np.isfinite(row), row - known, 0.0) / min(count, self._memory)
 
     @staticmethod
@@ -93,8 +94,9 @@ class Characteristic:
         low, high = table[0, 0] - 0.5 * _PRESSURE, table[-1, 0] + 0.5 * _PRESSURE
         if not low <= pressure <= high:
             return None
-        return np.array([np.interp(pressure, table[:, 0], table[:, column])
-                         for column in (2, 3, 4)])
+        found = np.array([np.interp(pressure, table[:, 0], table[:, column])
+                          for column in (2, 3, 4)])
+        return found * [1.0, 1.0, pressure]
 
     def resistances(self, pressure: float, speed: float) -> tuple[Resistances | None, str]:
         """Return the loss resistances at an operating point, or None and why there are none."""
