@@ -31,6 +31,7 @@ SLOTS: dict[str, Slot] = {
     'pump_lag': Slot('pump actuator', 's', 'added to the displacement lag'),
     'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
+    'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
     'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),

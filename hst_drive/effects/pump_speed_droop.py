@@ -14,15 +14,23 @@ def slip(displacement, pump_pressure, max_displacement, relief_pressure, nominal
     return -droop * nominal_speed * load
 
 
+def lag(droop, time_constant):
+    """Return how slowly the pump shaft follows, s."""
+    return time_constant if droop > 0.0 else 0.0
+
+
 EFFECT = Effect(
     id='pump_speed_droop',
     title='the prime mover slows down under pump torque',
     slot='pump_speed',
     function=slip,
-    equation='dw_p = -droop * w_nominal * D_p*P/(D_max*P_relief)',
+    also=(('pump_speed_lag', lag),),
+    equation='dw_p = -droop * w_nominal * D_p*P/(D_max*P_relief), behind a lag of time_constant',
     parameters=(
         Parameter('droop', '1', 0.0, 0.5, 0.09,
                   'loss of speed at full pump torque, over the nominal speed'),
+        Parameter('time_constant', 's', 0.0, 1.0, 0.06,
+                  'how slowly the inertia of the prime mover lets the speed follow'),
     ),
     telltale='Flow is missing in proportion to pressure times stroke squared; a recorded pump '
              'speed shows it at once.',

@@ -37,6 +37,7 @@ CONSTANTS = {
     'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
+    'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen
     'SHAFT_STEP': 0.12,               # of the root of inertia times compliance
     'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
     'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
@@ -47,7 +48,7 @@ OUTPUTS: tuple[str, ...] = (
     'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure')
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
-    'twist', 'speed_reading', 'play', 'last_command')
+    'twist', 'speed_reading', 'play', 'last_command', 'slowdown')
 
 
 class Kernel(NamedTuple):

@@ -141,6 +141,7 @@ class Drive:
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
         state[5] = state[7] = speed
         state[8] = state[9] = pump_command
+        state[10] = np.nan      # the pump shaft has settled on what the load asks
         return state
 
     def simulate(self, time: np.ndarray, inputs: Mapping[str, np.ndarray],

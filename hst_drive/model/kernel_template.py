@@ -125,14 +125,15 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, valu
 
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-             twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
-             p, on, values, layout):
+             twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
+             disturbance, p, on, values, layout):
     """
     Evaluate all balances at one instant.
 
     Returns flow into the hydromotor, its inlet pressure, its torque, load torque, flow that the
     pump delivers beyond the relief valve's, pump speed, hydromotor leakage, compressibility,
-    shaft torque, relief flow, pressure drop of the line, compliance of the shaft.
+    shaft torque, relief flow, pressure drop of the line, compliance of the shaft, change of the
+    pump speed once it has settled and its lag.
     """
     motor_displacement = p[P_motor_displacement]
     max_displacement = p[P_max_displacement]
@@ -162,6 +163,11 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
     pump_speed = nominal_speed
     # slot pump_speed
+    speed_change = pump_speed - nominal_speed
+    pump_speed_lag = 0.0
+    # slot pump_speed_lag
+    if pump_speed_lag > PUMP_SPEED_AT_ONCE and not math.isnan(slowdown):
+        pump_speed = nominal_speed + slowdown
     pump_flow_loss = 0.0
     # slot pump_flow_loss
     relief_flow = 0.0
@@ -202,18 +208,20 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
             shaft_compliance, SHAFT_RIGID / p[P_inertia])
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
-            shaft_compliance)
+            shaft_compliance, speed_change, pump_speed_lag)
 
 
 def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-                twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
-                viscosity_ratio, disturbance, lag, rate, reading_lag, p, on, values, layout):
-    """Return the time derivatives of the eight states."""
+                twist, reading, slowdown, target, pprv_target, pump_command, pprv_command,
+                oil_temperature, viscosity_ratio, disturbance, lag, rate, reading_lag, p, on,
+                values, layout):
+    """Return the time derivatives of the nine states."""
     (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-     shaft_torque, relief_flow, line_drop, shaft_compliance) = balances(
+     shaft_torque, relief_flow, line_drop, shaft_compliance, speed_change,
+     pump_speed_lag) = balances(
         displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
-        pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p, on, values,
-        layout)
+        slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p,
+        on, values, layout)
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -rate), rate)
@@ -234,9 +242,12 @@ def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_a
     reading_rate = 0.0
     if reading_lag > 0.0:
         reading_rate = (motor_speed - reading) / reading_lag
+    slowdown_rate = 0.0
+    if pump_speed_lag > PUMP_SPEED_AT_ONCE:
+        slowdown_rate = (speed_change - slowdown) / pump_speed_lag
     return (displacement_rate, pressure_rate, acceleration,
             (pprv_target - pprv_pressure) / p[P_pprv_lag], motor_speed, load_acceleration,
-            twist_rate, reading_rate)
+            twist_rate, reading_rate, slowdown_rate)
 
 
 def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_ratios, disturbances,
@@ -254,6 +265,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
     twist, reading, play, last_command = state[6], state[7], state[8], state[9]
+    slowdown = state[10]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     for k in range(n):
@@ -297,10 +309,14 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             pprv_command, T_PPRV_PRESSURE, values, layout)
 
         (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-         shaft_torque, relief_flow, line_drop, shaft_compliance) = balances(
+         shaft_torque, relief_flow, line_drop, shaft_compliance, speed_change,
+         pump_speed_lag) = balances(
             displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-            twist, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance,
-            p, on, values, layout)
+            twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
+            disturbance, p, on, values, layout)
+        if k == 0 and math.isnan(slowdown):
+            # Not known at the start: taken as settled.
+            slowdown = speed_change
         load_torque = shaft_torque
         pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
         # slot pressure_reading
@@ -333,8 +349,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             d1 = disturbance + slope * elapsed
             a = derivatives(
                 displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-                twist, reading, target, pprv_target, pump_command, pprv_command, oil_temperature,
-                viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on, values, layout)
+                twist, reading, slowdown, target, pprv_target, pump_command, pprv_command,
+                oil_temperature, viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on,
+                values, layout)
             step = max_step
             if on[ON_SHAFT]:
                 step = min(step, SHAFT_STEP * math.sqrt(
@@ -354,22 +371,22 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             b = derivatives(
                 displacement + h * a[0], pump_pressure + h * a[1], motor_speed + h * a[2],
                 pprv_pressure + h * a[3], motor_angle + h * a[4], load_speed + h * a[5],
-                twist + h * a[6], reading + h * a[7], target, pprv_target, pump_command,
-                pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
-                speed_reading_lag, p, on, values, layout)
+                twist + h * a[6], reading + h * a[7], slowdown + h * a[8], target,
+                pprv_target, pump_command, pprv_command, oil_temperature, viscosity_ratio, d2,
+                pump_lag, rate, speed_reading_lag, p, on, values, layout)
             c = derivatives(
                 displacement + h * b[0], pump_pressure + h * b[1], motor_speed + h * b[2],
                 pprv_pressure + h * b[3], motor_angle + h * b[4], load_speed + h * b[5],
-                twist + h * b[6], reading + h * b[7], target, pprv_target, pump_command,
-                pprv_command, oil_temperature, viscosity_ratio, d2, pump_lag, rate,
-                speed_reading_lag, p, on, values, layout)
+                twist + h * b[6], reading + h * b[7], slowdown + h * b[8], target,
+                pprv_target, pump_command, pprv_command, oil_temperature, viscosity_ratio, d2,
+                pump_lag, rate, speed_reading_lag, p, on, values, layout)
             d = derivatives(
                 displacement + step * c[0], pump_pressure + step * c[1],
                 motor_speed + step * c[2], pprv_pressure + step * c[3],
                 motor_angle + step * c[4], load_speed + step * c[5], twist + step * c[6],
-                reading + step * c[7], target, pprv_target, pump_command, pprv_command,
-                oil_temperature, viscosity_ratio, d3, pump_lag, rate, speed_reading_lag, p, on,
-                values, layout)
+                reading + step * c[7], slowdown + step * c[8], target, pprv_target, pump_command,
+                pprv_command, oil_temperature, viscosity_ratio, d3, pump_lag, rate,
+                speed_reading_lag, p, on, values, layout)
             w = step / 6.0
             displacement += w * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
             pump_pressure += w * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
@@ -379,6 +396,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             load_speed += w * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
             twist += w * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
             reading += w * (a[7] + 2.0 * (b[7] + c[7]) + d[7])
+            slowdown += w * (a[8] + 2.0 * (b[8] + c[8]) + d[8])
             pump_pressure = max(pump_pressure, CAVITATION_PRESSURE)
             elapsed += step
             remaining -= step
@@ -390,3 +408,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
     state[6], state[7], state[8], state[9] = twist, reading, play, last_command
+    state[10] = slowdown
