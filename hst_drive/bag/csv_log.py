@@ -8,8 +8,10 @@ tab; lines that begin with # and empty lines do not count; an empty cell is a mi
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 import csv
 from difflib import get_close_matches
+from operator import methodcaller
 import os
 from pathlib import Path
 
@@ -65,7 +67,7 @@ def write_csv(path: str | os.PathLike[str], run: Run) -> None:
         file.write(text.replace('nan', ''))
 
 
-def read_lines(path: Path) -> tuple[list[str], list[int]]:
+def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
     """Return the lines that count, and their numbers in the file."""
     try:
         data = path.read_bytes()
@@ -84,6 +86,8 @@ def read_lines(path: Path) -> tuple[list[str], list[int]]:
         except UnicodeDecodeError:
             text = data.decode('latin-1')
     lines = text.splitlines()
+    if '#' not in text and all(map(str.strip, lines)):
+        return lines, range(1, len(lines) + 1)
     rows = [number for number, line in enumerate(lines, 1)
             if line.strip() and not line.lstrip().startswith('#')]
     if not rows:
@@ -161,14 +165,14 @@ def _unit(entry: Entry, cell: str, path: str) -> str:
     return check_unit(unit, si, f'{path}: column {cell!r}')
 
 
-def _parse(lines: list[str], rows: list[int], separator: str, header: list[str],
+def _parse(lines: list[str], rows: Sequence[int], separator: str, header: list[str],
            columns: list[int], path: str) -> np.ndarray:
     """Return the numbers of the chosen columns, shape (rows, columns)."""
     comma = separator != ',' and any(',' in line for line in lines[:1000])
     plain = lines
     if comma:
         plain = [line.replace(',', '.') for line in lines]
-    separators = {line.count(separator) for line in plain}
+    separators = set(map(methodcaller('count', separator), plain))
     if separators == {len(header) - 1}:
         try:
             return np.loadtxt(plain, delimiter=separator, usecols=columns, ndmin=2, comments=None)
@@ -177,7 +181,7 @@ def _parse(lines: list[str], rows: list[int], separator: str, header: list[str],
     return _parse_slowly(plain, rows, separator, header, columns, path)
 
 
-def _parse_slowly(lines: list[str], rows: list[int], separator: str, header: list[str],
+def _parse_slowly(lines: list[str], rows: Sequence[int], separator: str, header: list[str],
                   columns: list[int], path: str) -> np.ndarray:
     """Do the same cell by cell: for missing samples, quotes, and to say what is wrong."""
     out = np.empty((len(lines), len(columns)))
@@ -199,7 +203,7 @@ def _parse_slowly(lines: list[str], rows: list[int], separator: str, header: lis
     return out[:index + 1]
 
 
-def _check_time(time: np.ndarray, rows: list[int], path: str) -> None:
+def _check_time(time: np.ndarray, rows: Sequence[int], path: str) -> None:
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
         raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite')

@@ -12,9 +12,9 @@ from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.errors import ErrorSummary, summarise
 from hst_drive.measure.judged import everything, Judged, judged
+from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.part import PartReplay
-from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
@@ -90,11 +90,8 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
                          'out')
     for run in runs:
         count = (everything if all_seconds or isinstance(drive, PartModel) else judged)(run)
-        replay, shift = _aligned(run, drive, count)
+        replay, shift, model, floor = _aligned(run, drive, count)
         run = replay.run
-        model = dict(replay.predict(drive).signals)
-        floor = (replay.floor(drive, count=count.samples) if isinstance(replay, Replay)
-                 else replay.floor(drive))
         noise = dict(replay.noise)
         if closed_loop:
             torque = {replay.torque: model[replay.torque]} if replay.can_correct else {}
@@ -146,19 +143,28 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
     return delay if 10 * deviation < abs(delay) < _LONGEST_DELAY else 0.0
 
 
-def _aligned(run: Run, drive: Drive, count: Judged) -> tuple[Replay | PartReplay, float]:
+class _Aligned(NamedTuple):
+    """A replay, the delay (s) by which its commands were moved, its signals and their floors."""
+
+    replay: KeptReplay | PartReplay
+    shift: float
+    model: dict[str, np.ndarray]
+    floor: dict[str, float]
+
+
+def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
     """
     Return the replay of a log with its commands moved to the stamps of the readings.
 
     The stamps of the readings stay. The slope tells a long delay too short: look again.
     """
     if isinstance(drive, PartModel):
-        return PartReplay(run, drive), 0.0
-    first = replay = Replay(run, drive)
-    total, power = 0.0, []
+        part = PartReplay(run, drive)
+        return _Aligned(part, 0.0, dict(part.predict(drive).signals), part.floor(drive))
+    first = last = _replayed(run, drive, count, 0.0)
+    power = []
     for _ in range(4):
-        model = replay.predict(drive).signals
-        floor = replay.floor(drive, count=count.samples)
+        model, floor = last.model, last.floor
         measured = {name: np.where(count.samples, run[name], np.nan) for name in model}
         power.append(sum(float(np.nanmean((model[name] - measured[name])**2)) / floor[name]**2
                          for name in model))
@@ -166,14 +172,20 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> tuple[Replay | PartReplay
                          for name in model})
         if abs(found) < 0.3 * run.sample_time:
             break
-        total += found
+        total = last.shift + found
         earlier = np.clip(np.searchsorted(run.time, run.time - total + 0.5 * run.sample_time,
                                           side='right') - 1, 0, len(run) - 1)
-        replay = Replay(replace(run, channels={
+        last = _replayed(replace(run, channels={
             name: values[earlier] if CHANNELS[name].hold == 'zero' else values
-            for name, values in run.channels.items()}), drive)
+            for name, values in run.channels.items()}), drive, count, total)
     # Missing physics looks like a delay, too, but a delay does not mend that.
-    return (replay, total) if power[-1] < _MENDED * power[0] else (first, 0.0)
+    return last if power[-1] < _MENDED * power[0] else first
+
+
+def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
+    replay = KeptReplay(run, drive)
+    floor = replay.floor(drive, count=count.samples)
+    return _Aligned(replay, shift, dict(replay.predict(drive).signals), floor)
 
 
 def _common(delays: dict[str, float]) -> float:
@@ -217,7 +229,7 @@ def _command_floor(drive: Drive, run: Run, noise: float, speed_floor: float) -> 
     return math.sqrt(noise**2 + memory * speed_floor**2)
 
 
-def _closed_loop(drive: Drive, run: Run, replay: Replay) -> dict[str, np.ndarray]:
+def _closed_loop(drive: Drive, run: Run, replay: KeptReplay) -> dict[str, np.ndarray]:
     """Run model and PI controller together against the recorded load."""
     drive.rig.require('controller', purpose='--closed-loop')
     if 'speed_setpoint' not in run:

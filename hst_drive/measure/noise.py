@@ -114,8 +114,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     for lag in lags:
         squares = (values[lag:] - values[:-lag])**2
         squares = squares[np.isfinite(squares)]
-        blocks = np.array_split(squares, max(len(squares) // size, 1))
-        growth.append(np.median([block.mean() for block in blocks]) if len(squares) else 0.0)
+        growth.append(np.median(_block_means(squares, size)) if len(squares) else 0.0)
     half = 0.5 * np.array(growth)
     top = float(half.max())
     if top < 1e-100:
@@ -135,6 +134,15 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
             best = Coloured(math.sqrt(variance * top), constant, math.sqrt(white * top))
             error = misfit
     return best
+
+
+def _block_means(values: np.ndarray, size: int) -> np.ndarray:
+    """Return the means of blocks of ``size`` or a little more, that hold all values."""
+    count = max(len(values) // size, 1)
+    short, longer = divmod(len(values), count)
+    cut = longer * (short + 1)
+    return np.concatenate([values[:cut].reshape(longer, -1 if longer else 1).mean(axis=1),
+                           values[cut:].reshape(count - longer, short).mean(axis=1)])
 
 
 class Smoother:

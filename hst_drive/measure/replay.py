@@ -10,7 +10,7 @@ does not reach the sensor noise; ``Replay.floor`` is what it would reach.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
 from hst_drive.measure.commands import controller_steps
@@ -164,11 +164,14 @@ class Replay:
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
                   commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
-        signals = drive.simulate(
-            self._finer(self.run.time),
-            {name: self._finer(values, name in INPUTS) for name, values in inputs.items()},
-            self.start(drive))
+        signals = self._motion(
+            drive, self._finer(self.run.time),
+            {name: self._finer(values, name in INPUTS) for name, values in inputs.items()})
         return {name: values[::self._parts] for name, values in signals.items()}
+
+    def _motion(self, drive: Drive, time: np.ndarray,
+                inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return drive.simulate(time, inputs, self.start(drive))
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
@@ -289,12 +292,13 @@ class Replay:
         return Prediction({name: self._as_read(name, signals[name], drive)
                            for name in self.signals}, disturbance)
 
-    def _as_read(self, name: str, model: np.ndarray, drive: Drive) -> np.ndarray:
+    def _as_read(self, name: str, model: np.ndarray, drive: Drive,
+                 rows: slice = slice(None)) -> np.ndarray:
         """Hold the model at the end of the sensor's range where the reading stands there."""
         sensor = drive.rig.sensors.get(name)
         if sensor is None or not sensor.range:
             return model
-        measured, (low, high) = self.run[name], sensor.range
+        measured, (low, high) = self.run[name][rows], sensor.range
         near = 0.51 * sensor.resolution + 1e-9 * (high - low)
         model = np.where(np.abs(measured - low) <= near, np.maximum(model, measured), model)
         return np.where(np.abs(measured - high) <= near, np.minimum(model, measured), model)
@@ -319,19 +323,25 @@ class Replay:
                 floor[name] += estimate_coloured(self.run.time, rest - self._slow(rest),
                                                  self.noise[name]).std**2
         if self.can_correct and self.roughness.std > 0:
-            base = self.predict(drive).signals
-            random = np.random.default_rng(seed)
-            for _ in range(_DRAWS):
-                moved = self.predict(drive, self._smoother.draw_error(random)).signals
-                for name in self.signals:
-                    if name != self.torque:
-                        shift = (moved[name] - base[name])[slice(None) if count is None else count]
-                        floor[name] += float(np.nanmean(shift**2)) / _DRAWS
+            for power in self._powers_of_roughness(drive, seed, count):
+                for name, value in power.items():
+                    floor[name] += value
             floor[self.torque] += self.roughness.std**2
         if any(steps.guessed for steps in self._steps.values()):
             for name, power in self._power_of_guesses(drive, seed).items():
                 floor[name] += power
         return {name: float(np.sqrt(value)) for name, value in floor.items()}
+
+    def _powers_of_roughness(self, drive: Drive, seed: int,
+                             count: np.ndarray | None) -> Iterator[dict[str, float]]:
+        """Yield what draws of the load that the smoothing misses add to the floor's square."""
+        base = self.predict(drive).signals
+        random = np.random.default_rng(seed)
+        for _ in range(_DRAWS):
+            moved = self.predict(drive, self._smoother.draw_error(random)).signals
+            part = slice(None) if count is None else count
+            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / _DRAWS
+                   for name in self.signals if name != self.torque}
 
     def _power_of_guesses(self, drive: Drive, seed: int) -> dict[str, float]:
         """Return the squared error, by signal, that commands make which no row shows."""

@@ -1,0 +1,98 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Replay of a recording through one model that stays as it is: what was computed is not done again.
+
+Estimating the noise, the error, the delays and the floor all ask for the same simulation. And the
+floor of a long recording is a mean over far more of it than is needed: stretches will do.
+"""
+from __future__ import annotations
+
+from typing import Iterator, Mapping
+
+from hst_drive.measure.pieces import simulate_in_pieces
+from hst_drive.measure.replay import filled, INPUTS, Prediction, Replay, SIGNALS
+from hst_drive.measure.start import first_state
+from hst_drive.model import Drive
+import numpy as np
+
+_KEEP = 2               # simulations; a flexible shaft needs one more on the way
+LONG = 600.0            # s; up to it the whole recording is drawn
+_STRETCHES = 10
+_STRETCH = 60.0         # s
+_SETTLED = 5.0          # s after which the start of a stretch is forgotten
+
+
+class KeptReplay(Replay):
+    """A ``Replay`` that simulates nothing twice: for comparing, where the model stays."""
+
+    def __init__(self, run, drive: Drive):
+        self._kept: list[tuple[tuple, np.ndarray, dict[str, np.ndarray]]] = []
+        self._keeping = False
+        self._whole = {name: filled(run[name]) for name in SIGNALS if name in run}
+        super().__init__(run, drive)
+
+    def predict(self, drive: Drive, extra: np.ndarray | None = None,
+                commands: Mapping[str, np.ndarray] = {}) -> Prediction:
+        self._keeping = extra is None and not commands
+        return super().predict(drive, extra, commands)
+
+    def _simulate(self, drive: Drive, disturbance: np.ndarray,
+                  commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
+        if not self._keeping:
+            return super()._simulate(drive, disturbance, commands)
+        key = (id(drive), self._held, drive.parameters.tobytes(), drive.switches.tobytes())
+        for known, added, signals in self._kept:
+            if known == key and np.array_equal(added, disturbance):
+                return dict(signals)
+        signals = super()._simulate(drive, disturbance)
+        # Only what is measured is asked for again; the rest need not fill the memory.
+        wanted = {*self.signals, 'motor_speed'}
+        signals = {name: np.array(values) for name, values in signals.items() if name in wanted}
+        self._kept = [*self._kept[1 - _KEEP:], (key, disturbance, signals)]
+        return dict(signals)
+
+    def _powers_of_roughness(self, drive: Drive, seed: int,
+                             count: np.ndarray | None) -> Iterator[dict[str, float]]:
+        time = self.run.time
+        if time[-1] - time[0] <= LONG or drive.has_flexible_shaft:
+            yield from super()._powers_of_roughness(drive, seed, count)
+            return
+        disturbance = self.disturbance(drive)
+        added = disturbance + self._smoother.draw_error(np.random.default_rng(seed))
+        counted = np.ones(len(time), dtype=bool) if count is None else count
+        squares: dict[str, list[np.ndarray]] = {name: [] for name in self.signals}
+        starts = np.linspace(time[0], time[-1] - _STRETCH, _STRETCHES)
+        for first, last in zip(np.searchsorted(time, starts),
+                               np.searchsorted(time, starts + _STRETCH)):
+            part = slice(first, last)
+            base, moved = (self._stretch(drive, part, values) for values in (disturbance, added))
+            use = counted[part] & (time[part] >= time[first] + _SETTLED)
+            for name in self.signals:
+                squares[name].append((moved[name] - base[name])[use]**2)
+        yield {name: float(np.nanmean(np.concatenate(parts)))
+               for name, parts in squares.items() if name != self.torque}
+
+    def _motion(self, drive: Drive, time: np.ndarray,
+                inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        if time[-1] - time[0] <= LONG or not drive.kernel.compiled:
+            return super()._motion(drive, time, inputs)
+        return simulate_in_pieces(drive, time, inputs, self.start(drive),
+                                  lambda row: self._state(drive, row // self._parts))
+
+    def _state(self, drive: Drive, row: int) -> np.ndarray:
+        """Return the state that the signals show at a row."""
+        first = {name: float(self._whole[name][row]) for name in self.signals}
+        return first_state(drive, first, {name: float(values[row])
+                                          for name, values in self.inputs.items()}, self.torque)
+
+    def _stretch(self, drive: Drive, part: slice,
+                 disturbance: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the signals of some rows alone, from the state that their first one shows."""
+        inputs = {**self.inputs, 'load_disturbance': disturbance}
+        signals = drive.simulate(
+            self._finer(self.run.time[part]),
+            {name: self._finer(values[part], name in INPUTS) for name, values in inputs.items()},
+            self._state(drive, part.start))
+        return {name: self._as_read(name, signals[name][::self._parts], drive, part)
+                for name in self.signals}
