@@ -10,6 +10,7 @@ is left out unless asked for (--diagnose), since it takes minutes.
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 import shlex
 import sys
 from typing import TYPE_CHECKING
@@ -133,8 +134,8 @@ def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dic
     if args.diagnosis:
         found = read_json(args.diagnosis)
         _check(found, args.diagnosis)
-        given = sorted(entry.source for entry in runs)
-        other = sorted(map(str, found.get('logs') or [])) != given
+        given = sorted(str(Path(entry.source).resolve()) for entry in runs)
+        other = sorted(str(Path(str(name)).resolve()) for name in found.get('logs') or ()) != given
         return found, ('The diagnosis was made of other logs than those shown here: '
                        f'{", ".join(map(str, found.get("logs") or []))}.' if other else '')
     seconds = sum(float(entry.time[-1] - entry.time[0]) for entry in runs)
