@@ -22,6 +22,7 @@ NEEDS = {
     **dict.fromkeys(('bag/test_bags.py', 'bag/test_cdr.py', 'bag/test_channels.py',
                      'bag/test_csv_log.py', 'bag/test_recovery.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
+                     'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     'truth': ('numba',), 'bench': ('numba',)}

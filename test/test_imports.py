@@ -29,7 +29,8 @@ MAY_IMPORT = {
 # Foreign package -> the only parts that may import it.
 ONLY_IN = {
     'rclpy': {'nodes'}, 'rcl_interfaces': {'nodes'}, 'builtin_interfaces': {'nodes'},
-    'std_msgs': {'nodes'}, 'sensor_msgs': {'nodes'}, 'geometry_msgs': {'nodes'},
+    'std_msgs': {'nodes'}, 'std_srvs': {'nodes'}, 'lifecycle_msgs': {'nodes'},
+    'sensor_msgs': {'nodes'}, 'geometry_msgs': {'nodes'},
     'diagnostic_msgs': {'nodes'}, 'rosgraph_msgs': {'nodes'}, 'ros2cli': {'cli'},
     'mcap': {'bag'}, 'lz4': {'bag'}, 'zstandard': {'bag'}, 'sqlite3': {'bag'},
     'yaml': {'rig', 'bag', 'load', 'nodes', 'cli', 'diagnose', 'report'}, 'numba': {'model'},

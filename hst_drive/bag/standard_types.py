@@ -14,6 +14,9 @@ STANDARD_TYPES: dict[str, tuple[str, str]] = {
     'std_msgs/msg/Header': (
         'builtin_interfaces/Time stamp\nstring frame_id\n',
         'RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01'),
+    'std_msgs/msg/Bool': (
+        'bool data\n',
+        'RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9'),
     'rosgraph_msgs/msg/Clock': (
         'builtin_interfaces/Time clock\n',
         'RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564'),

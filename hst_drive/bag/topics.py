@@ -93,6 +93,7 @@ TEMPERATURE = 'sensor_msgs/msg/Temperature'
 JOINT_STATE = 'sensor_msgs/msg/JointState'
 CLOCK = 'rosgraph_msgs/msg/Clock'
 DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
+BOOL = 'std_msgs/msg/Bool'
 
 
 def _scalar(channel: str, unit: str, title: str, frame: str, publisher: str, **more) -> Topic:
@@ -175,6 +176,8 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
         recorded=False),
     Topic('manual_pump_command', VECTOR3_STAMPED, 'pump', 'load_profile', (
         Field('vector.x', 'V', 'pump command of a manual run'),), recorded=False),
+    Topic('emergency_stop', BOOL, '', 'operator', (),
+          qos=Qos(durability='transient_local', depth=1), on=False, recorded=False),
     Topic('sync', DIAGNOSTIC_ARRAY, '', 'all nodes', (), on=False, recorded=False),
     Topic('/diagnostics', DIAGNOSTIC_ARRAY, 'motor', 'estimator', ()),
     Topic('/clock', CLOCK, '', 'plant', (Field('clock', 's', 'simulated time'),),
@@ -182,7 +185,8 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
 )}
 
 # What the topics without numbers say.
-_WORDS = {'sync': 'nodes of a run find each other and keep step',
+_WORDS = {'emergency_stop': 'true stops the drive; stays until a reset',
+          'sync': 'nodes of a run find each other and keep step',
           '/diagnostics': 'whether the figures are valid; which balance fails and what it lacks'}
 WITH_READING: dict[str, str] = {
     'external_leakage_resistance': 'case_drain_flow',

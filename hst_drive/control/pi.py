@@ -101,6 +101,7 @@ class PiController:
         self.command = self.u_clamp_min if output is None else self._clip(float(output))
         self._bumpless = output is not None
         self._ramped: float | None = None
+        self._error = 0.0
 
     def update(self, setpoint: float, measured: float) -> float:
         """
@@ -116,7 +117,7 @@ class PiController:
         if not (math.isfinite(setpoint) and math.isfinite(measured)):
             return self.command
         setpoint = self._limit_rate(setpoint, measured)
-        error = setpoint - measured
+        error = self._error = setpoint - measured
         direct = self.kp * error
         if self.feed_forward is not None:
             direct += self.feed_forward(setpoint)
@@ -127,6 +128,23 @@ class PiController:
         self.command = self._clip(raw)
         self.integral += self._integral_rate(error, raw - self.command) * self.sample_time
         return self.command
+
+    def retune(self, kp: float, ki: float) -> None:
+        """
+        Take over new gains without a jump of the command.
+
+        The integral takes up what the proportional part changes by at the last error.
+
+        Raises
+        ------
+        ValueError
+            For gains that make no sense; the old ones then stay.
+
+        """
+        if not all(map(math.isfinite, (kp, ki))) or kp < 0 or ki < 0:
+            raise ValueError(f'gains kp={kp}, ki={ki}: expected numbers that are not negative')
+        self.integral += (self.kp - kp) * self._error
+        self.kp, self.ki = float(kp), float(ki)
 
     def _clip(self, value: float) -> float:
         return min(max(value, self.u_clamp_min), self.u_clamp_max)

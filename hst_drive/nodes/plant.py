@@ -20,6 +20,7 @@ from hst_drive.nodes.parameters import Parameter
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
 import numpy as np
+from rclpy.duration import Duration
 from rosgraph_msgs.msg import Clock
 
 _ANGLE = STATES.index('motor_angle')
@@ -96,10 +97,9 @@ class Plant(DriveNode):
             self.listen_to(name, lambda stamp, values, name=name:
                            self._commanded(name, stamp, values[0]))
         if self.lockstep:
-            topic = TOPICS['/clock']
             self._clock_message = Clock()
             self._clock_publisher = self.create_publisher(
-                Clock, topic.name, qos_profile(topic.qos, 2 * sync.INTERVAL))
+                Clock, '/clock', qos_profile(TOPICS['/clock'].qos, 2 * sync.INTERVAL))
         self._heard = time.monotonic()
         super().activate()
         self._ready = False
@@ -227,8 +227,7 @@ class Plant(DriveNode):
         first = self._step == 0
         if self._later and self._step * self._period > self.settings['effects_from'] * BILLION:
             self._drive, self._later = self._later, None
-        state = self._state.copy() if first else self._state
-        held = self._inputs if first else self._held
+        state, held = (self._state.copy(), self._inputs) if first else (self._state, self._held)
         inputs = {name: np.array([held[name], value]) for name, value in self._inputs.items()}
         # The commands of this step act from now on; the readings are taken just before.
         result = self._drive.simulate(self._times, inputs, state)
@@ -240,10 +239,9 @@ class Plant(DriveNode):
         truth['oil_temperature'] = self._inputs['oil_temperature']
         truth['motor_angle'] = float(state[_ANGLE])
         readings = {**truth, **self._sensors.read(truth)}
-        stamp = self._stamp()
         for name, output in self.outputs.items():
             source = truth if name.startswith(TRUTH) else readings
-            output.publish(stamp, *(source[field.channel or 'motor_angle']
+            output.publish(self._stamp(), *(source[field.channel or 'motor_angle']
                                     for field in output.topic.fields))
         self._tell()
 
@@ -260,6 +258,8 @@ class Plant(DriveNode):
     def _finish(self) -> None:
         if not self.lockstep:
             self.sync.say(sync.LAST, self._stamp())
+            # Else the word goes down with this process: to the others that were a fault.
+            self.sync.publisher.wait_for_all_acked(Duration(seconds=1.0))
         self._tell(last=True)
         self.stop(0)
 
@@ -283,8 +283,8 @@ class Plant(DriveNode):
             return
         if time.monotonic() - self._heard < self.settings['partner_timeout']:
             return
-        silent = self._unready | self._unanswered | {
-            self.inputs[name].topic.publisher for name in self._pending}
+        silent = self._unready | self._unanswered
+        silent |= {self.inputs[name].topic.publisher for name in self._pending}
         where = f'at step {self._step}' if self._running else 'before the start'
         missing = '' if self._running else f' (not connected: {", ".join(self.not_connected())})'
         self.stop(1, f'no answer from {", ".join(sorted(silent)) or "itself"} {where} within '

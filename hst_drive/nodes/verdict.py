@@ -1,57 +1,22 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the estimator says on /diagnostics: its words, and a publisher of their bytes."""
+"""What the estimator says on /diagnostics."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
-from hst_drive.bag.cdr import Codec
-from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import TOPICS
 from hst_drive.effects import catalogue
 from hst_drive.measure.online.residuals import BALANCES
-from hst_drive.nodes.endpoints import BILLION, message_class, qos_profile
+from hst_drive.nodes.diagnostics import Diagnostics, OK, STALE, WARN
+from hst_drive.nodes.endpoints import BILLION
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
     from hst_drive.measure.online.naming import Likely
     from hst_drive.measure.online.watch import Verdict
 
-OK, WARN, STALE = 0, 1, 3
-
-
-class Diagnostics:
-    """
-    The publisher of /diagnostics.
-
-    It packs the message itself: rclpy leaves bytes of foreign memory in the padding, and two runs
-    of one seed shall give one bag.
-    """
-
-    def __init__(self, node):
-        self.topic = TOPICS['/diagnostics']
-        self._codec = Codec(self.topic.type, find_definition(self.topic.type))
-        self.publisher = node.create_publisher(
-            message_class(self.topic.type), self.topic.name, qos_profile(self.topic.qos))
-        self.published = 0
-
-    def publish(self, stamp: int, name: str, level: int, message: str,
-                values: Mapping[str, Any]) -> None:
-        """Publish one status that was true at ``stamp``, ns."""
-        seconds, nanoseconds = divmod(stamp, BILLION)
-        self.publisher.publish(self._codec.encode({
-            'header': {'stamp': {'sec': seconds, 'nanosec': nanoseconds},
-                       'frame_id': self.topic.frame},
-            'status': [{'level': level, 'name': name, 'message': message,
-                        'hardware_id': 'drive', 'values': [
-                            {'key': key, 'value': str(value)} for key, value in values.items()]}],
-        }))
-        self.published += 1
-
-    def connected(self, readers: int) -> bool:
-        """Return whether as many subscriptions are matched."""
-        return self.publisher.get_subscription_count() >= readers
+__all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'WARN']
 
 
 def _effect(entry: Likely) -> str:

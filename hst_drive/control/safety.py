@@ -1,0 +1,273 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What takes the drive to standstill when the controller may no longer be trusted.
+
+``Supervisor`` judges every reading and every wish before the law sees them. A fault is latched:
+from then on the command falls on a straight line to 0 V (no displacement), and nothing but
+``reset`` ends that, once the cause is gone. The law stands still meanwhile, so its integral
+cannot wind up.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+import math
+from typing import NamedTuple
+
+FAULTS = {
+    'emergency_stop': 'emergency stop',
+    'feedback_lost': 'no usable speed reading',
+    'feedback_not_finite': 'the speed reading is not a number',
+    'feedback_out_of_range': 'the speed reading is outside its range',
+    'feedback_jumps': 'the speed reading jumps faster than the drive can',
+    'feedback_frozen': 'the speed reading does not change at all',
+    'feedback_time': 'the time stamps of the speed reading are wrong',
+    'setpoint_lost': 'no set point',
+    'setpoint_invalid': 'the set point is not a number in its range',
+    'command_invalid': 'the command is not a number within its limits',
+}
+"""What each fault means."""
+WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
+_FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
+
+
+@dataclass(frozen=True)
+class SafetySettings:
+    """
+    Limits and times of the supervisor.
+
+    Attributes
+    ----------
+    feedback_timeout : float
+        Longest time without a usable reading, s.
+    setpoint_timeout : float
+        Longest time without a set point (or manual command), s; 0: the last one holds for ever.
+    stamp_tolerance : float
+        Largest difference between a reading's stamp and the clock, s; 0: not judged.
+    frozen_timeout : float
+        Longest time with the same reading, other than 0, to the last bit, s; 0: not judged.
+    bad_readings : int
+        So many bad readings in a row are a fault; fewer are passed over.
+    speed_limit : float
+        Readings are within +- this, set points between 0 and this, rad/s.
+    acceleration_limit : float
+        Largest change of the reading, rad/s^2.
+    stop_time, emergency_stop_time : float
+        Time of the ramp from the largest command to 0 V, s.
+
+    """
+
+    feedback_timeout: float = 0.25
+    setpoint_timeout: float = 0.5
+    stamp_tolerance: float = 1.0
+    frozen_timeout: float = 1.0
+    bad_readings: int = 3
+    speed_limit: float = 30.0
+    acceleration_limit: float = 1500.0
+    stop_time: float = 1.0
+    emergency_stop_time: float = 0.3
+
+    def __post_init__(self):
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            may_be_off = entry.name in ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout')
+            if not math.isfinite(value) or value < 0 or (value == 0 and not may_be_off):
+                raise ValueError(f'{entry.name}={value}: expected a positive number')
+
+
+class Fault(NamedTuple):
+    """A fault: one of ``FAULTS``, what was found, and when (s)."""
+
+    kind: str
+    found: str
+    time: float
+
+    def __str__(self) -> str:
+        return f'{self.kind}: {FAULTS[self.kind]} ({self.found})'
+
+
+class Supervisor:
+    """
+    Watches readings and wishes; holds the fault and the ramp.
+
+    All times are seconds of one clock that never runs back: the steady clock, or in simulated
+    time the steps' stamps.
+
+    Parameters
+    ----------
+    settings : SafetySettings
+        Limits and times.
+    limits : (float, float)
+        Smallest and largest command, V; a manual command beyond them is a fault.
+    manual : bool
+        The wishes are pump commands (V), not set points (rad/s).
+
+    """
+
+    def __init__(self, settings: SafetySettings, limits: tuple[float, float] = (0.0, 10.0),
+                 manual: bool = False):
+        self.settings, self.limits, self.manual = settings, limits, manual
+        self.fault: Fault | None = None
+        self.command = 0.0                 # V, of the ramp
+        self.passed_over = 0               # bad readings that led to no fault
+        self._pressed: set[str] = set()
+        self._bad: tuple[str, str] | None = None
+        self._score = 0.0
+        self._good = 0                     # good readings in a row
+        self._stamp = self._value = -math.inf
+        self._same_since = math.inf
+        self._usable_at: float | None = None
+        self._wanted_at: float | None = None
+        self._wish_fault: tuple[str, str] | None = None
+        self._ramped_at: float | None = None
+
+    @property
+    def state(self) -> str:
+        """'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'."""
+        if self.fault:
+            return STOPPING if self.command > 0.0 else STOPPED
+        return WAITING if None in (self._usable_at, self._wanted_at) else RUNNING
+
+    def feedback(self, now: float, stamp: float, value: float, clock: float | None = None) -> bool:
+        """
+        Judge a speed reading and return whether it may be used.
+
+        Parameters
+        ----------
+        now, stamp : float
+            When it came; when it was taken, of its own clock, s.
+        value : float
+            rad/s.
+        clock : float, optional
+            What the clock of the stamps says now, s; None: not to be compared.
+
+        """
+        bad = self._judge(now, stamp, value, clock)
+        self._bad = bad
+        if bad is None:
+            self._score = max(0.0, self._score - _FORGIVEN)
+            self._good += 1
+            self._usable_at = now
+            return True
+        self._good = 0
+        self._score += 1.0
+        self.passed_over += self.fault is None
+        if self._score >= self.settings.bad_readings or bad[0] == 'feedback_frozen':
+            self._trip(*bad, now)
+        return False
+
+    def _judge(self, now: float, stamp: float, value: float, clock: float | None
+               ) -> tuple[str, str] | None:
+        settings = self.settings
+        before, self._stamp = self._stamp, stamp
+        if not math.isfinite(value):
+            return 'feedback_not_finite', f'{value}'
+        if stamp <= before:
+            return 'feedback_time', f'{stamp:.3f} s after {before:.3f} s'
+        if clock is not None and 0.0 < settings.stamp_tolerance < abs(clock - stamp):
+            return 'feedback_time', (f'{abs(clock - stamp):.3g} s '
+                                     f'{"old" if stamp < clock else "in the future"}')
+        if abs(value) > settings.speed_limit:
+            return 'feedback_out_of_range', f'{value:.4g} rad/s, limit {settings.speed_limit:g}'
+        last = self._value
+        if abs(value - last) > settings.acceleration_limit * (stamp - before) and (
+                math.isfinite(before) and math.isfinite(last)):
+            if self.fault:
+                self._value = value    # so that a new level is taken in before the reset
+            return 'feedback_jumps', f'from {last:.4g} to {value:.4g} rad/s'
+        if value != last or value == 0.0:
+            self._same_since = now
+        self._value = value
+        if 0.0 < settings.frozen_timeout < now - self._same_since:
+            return 'feedback_frozen', f'{value:.6g} rad/s for {now - self._same_since:.3g} s'
+        return None
+
+    def wish(self, now: float, value: float) -> bool:
+        """Judge a set point (rad/s), or manual command (V); return whether it may be used."""
+        self._wanted_at = now
+        self._wish_fault = None
+        low, high = self.limits if self.manual else (0.0, self.settings.speed_limit)
+        if not low <= value <= high:      # a comparison with NaN is false
+            unit = 'V' if self.manual else 'rad/s'
+            self._wish_fault = ('command_invalid' if self.manual else 'setpoint_invalid',
+                                f'{value:.4g} {unit}, expected {low:g} to {high:g}')
+            self._trip(*self._wish_fault, now)
+        return self._wish_fault is None
+
+    def press(self, source: str, pressed: bool, now: float) -> None:
+        """Take an emergency stop, or its release, from a source such as 'topic'."""
+        if pressed:
+            self._pressed.add(source)
+            self._trip('emergency_stop', f'by {source}', now)
+        else:
+            self._pressed.discard(source)
+
+    def formed(self, now: float, command: float) -> bool:
+        """Judge what the law has made as a command (V); return whether it may be sent."""
+        if not self.limits[0] <= command <= self.limits[1]:
+            self._trip('command_invalid', f'the law gives {command:.4g} V', now)
+            return False
+        return True
+
+    def check(self, now: float) -> None:
+        """Look for what has not come in time."""
+        if self.state == RUNNING:
+            for cause in self._overdue(now):
+                self._trip(*cause, now)
+
+    def _overdue(self, now: float) -> list[tuple[str, str]]:
+        settings, found = self.settings, []
+        if self._usable_at is not None and now - self._usable_at > settings.feedback_timeout:
+            found.append(('feedback_lost', f'for {now - self._usable_at:.3g} s'))
+        if settings.setpoint_timeout and self._wanted_at is not None and (
+                now - self._wanted_at > settings.setpoint_timeout):
+            found.append(('setpoint_lost', f'for {now - self._wanted_at:.3g} s'))
+        return found
+
+    def _trip(self, kind: str, found: str, now: float) -> None:
+        # A first fault is the one to tell; only an emergency stop outranks it: it is faster.
+        if self.fault is None or (kind == 'emergency_stop' != self.fault.kind):
+            self.fault = Fault(kind, found, now)
+
+    def ramp(self, now: float, command: float) -> float:
+        """
+        Return the command (V) of the ramp to 0 V.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        command : float
+            What was sent last, V.
+
+        """
+        if self._ramped_at is None:
+            self._ramped_at, self.command = self.fault.time, max(0.0, command)
+        settings = self.settings
+        time = (settings.emergency_stop_time if self.fault.kind == 'emergency_stop'
+                else settings.stop_time)
+        fall = self.limits[1] / time * max(0.0, now - self._ramped_at)
+        self._ramped_at = max(now, self._ramped_at)
+        self.command = max(0.0, self.command - fall)
+        return self.command
+
+    def causes(self, now: float) -> list[str]:
+        """Return what stands against a reset; empty if nothing does."""
+        found = [f'emergency stop is pressed ({name})' for name in sorted(self._pressed)]
+        found += [FAULTS[kind] for kind, _ in self._overdue(now)]
+        if self._bad:
+            found.append(FAULTS[self._bad[0]])
+        elif self._usable_at is not None and self._good < self.settings.bad_readings:
+            found.append('too few good readings yet')
+        if self._wish_fault:
+            found.append(FAULTS[self._wish_fault[0]])
+        return found
+
+    def reset(self, now: float) -> list[str]:
+        """End the fault if its cause is gone; return what stands against it, else nothing."""
+        found = self.causes(now)
+        if not found:
+            self.fault = self._ramped_at = None
+            self._score = 0.0
+            self._same_since = now
+        return found

@@ -1,0 +1,224 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Every row of the table of faults in docs/integration.md, on the controller's own process."""
+import math
+import time
+
+import pytest
+
+from .processes import node, PATIENCE, wait_for
+
+rclpy = pytest.importorskip('rclpy')
+STOP_TIME, EMERGENCY = 0.8, 0.4
+
+
+class Machine:
+    """What surrounds the controller: sensor, set point, operator, valve, and a diagnostics view."""
+
+    def __init__(self):
+        from diagnostic_msgs.msg import DiagnosticArray
+        from geometry_msgs.msg import Vector3Stamped
+        from rclpy.qos import DurabilityPolicy, QoSProfile
+        from sensor_msgs.msg import JointState
+        from std_msgs.msg import Bool
+        from std_srvs.srv import SetBool, Trigger
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context)
+        self.node = rclpy.create_node('machine', namespace='drive', context=self.context)
+        self.executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.motor = self.node.create_publisher(JointState, 'motor', 100)
+        self.setpoint = self.node.create_publisher(Vector3Stamped, 'speed_setpoint', 100)
+        self.manual = self.node.create_publisher(Vector3Stamped, 'manual_pump_command', 100)
+        self.stop = self.node.create_publisher(Bool, 'emergency_stop', QoSProfile(
+            depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+        self.hasty_stop = self.node.create_publisher(Bool, 'emergency_stop', 1)
+        self.node.create_subscription(Vector3Stamped, 'pump_command', self._commanded, 100)
+        self.node.create_subscription(DiagnosticArray, '/diagnostics', self._told, 100)
+        self.stopper = self.node.create_client(SetBool, 'controller/emergency_stop')
+        self.resetter = self.node.create_client(Trigger, 'controller/reset')
+        self.commands, self.told, self.count = [], {}, 0
+
+    def _commanded(self, message):
+        stamp = message.header.stamp
+        self.commands.append((stamp.sec + stamp.nanosec * 1e-9, message.vector.x))
+
+    def _told(self, message):
+        for status in message.status:
+            if status.name.endswith('controller: safety'):
+                self.told = {'level': status.level, 'message': status.message,
+                             **{entry.key: entry.value for entry in status.values}}
+
+    def tick(self, reading=10.0, wish=20.0, moved=0.0, manual=None, steady=False):
+        """Send one sample of everything (None: not), and take in what comes."""
+        from geometry_msgs.msg import Vector3Stamped
+        from rclpy.duration import Duration
+        from sensor_msgs.msg import JointState
+        now = self.node.get_clock().now()
+        self.count += 1
+        if reading is not None:
+            value = reading if steady else reading + 0.001 * math.sin(self.count)
+            self.motor.publish(JointState(
+                header=_header(now + Duration(seconds=moved)), name=['motor'], position=[0.0],
+                velocity=[value], effort=[0.0]))
+        for publisher, number in ((self.setpoint, wish), (self.manual, manual)):
+            if number is not None:
+                message = Vector3Stamped(header=_header(now))
+                message.vector.x = number
+                publisher.publish(message)
+        end = time.monotonic() + 0.01
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=max(0.0, end - time.monotonic()))
+
+    def until(self, condition, **what):
+        """Go on until the condition holds."""
+        def go():
+            self.tick(**what)
+            return condition()
+
+        return wait_for(go)
+
+    def call(self, client, request, **what):
+        """Call a service while the machine goes on."""
+        assert client.wait_for_service(timeout_sec=PATIENCE)
+        future = client.call_async(request)
+        self.until(future.done, **what)
+        return future.result()
+
+    def reset(self, **what):
+        from std_srvs.srv import Trigger
+        return self.call(self.resetter, Trigger.Request(), **what)
+
+    def run_up(self, **what):
+        """Reset what is left of the last test, and go on until there is a command to lose."""
+        def running():
+            if self.told.get('fault'):
+                self.reset(**what)
+                self.told = {}
+            return self.commands and self.commands[-1][1] > 5.0 \
+                and self.told.get('state') == 'running'
+
+        self.until(running, **what)
+
+
+def _header(now):
+    from std_msgs.msg import Header
+    return Header(stamp=now.to_msg())
+
+
+@pytest.fixture(scope='module')
+def machine():
+    """Return a machine around a controller that runs."""
+    with node('controller', '-p', f'stop_time:={STOP_TIME}',
+              '-p', f'emergency_stop_time:={EMERGENCY}'):
+        made = Machine()
+        wait_for(made.motor.get_subscription_count)
+        yield made
+        made.node.destroy_node()
+        rclpy.shutdown(context=made.context)
+
+
+def goes_to_zero(machine, kind, stop_time=STOP_TIME, **what):
+    """Check that a fault is told, that the ramp is straight, and that it stays at zero."""
+    machine.until(lambda: machine.told.get('fault') == kind, **what)
+    machine.until(lambda: machine.told.get('at_zero') == 'true', **what)
+    assert machine.told['level'] == b'\2' and kind in machine.told['message']
+    assert '~/reset' in machine.told['message']
+    zero = next(i for i, (_, value) in enumerate(machine.commands)
+                if not any(later for _, later in machine.commands[i:]))
+    ramp = machine.commands[:zero][-8:]
+    # The ramp goes by the clock, so a busy machine makes its steps uneven, not its slope.
+    slope = (ramp[0][1] - ramp[-1][1]) / (ramp[-1][0] - ramp[0][0])
+    assert slope == pytest.approx(10.0 / stop_time, rel=0.25)
+    for _ in range(30):
+        machine.tick()
+    assert machine.commands[-1][1] == 0.0, 'a fault whose cause is gone is no reason to go on'
+
+
+@pytest.mark.parametrize('kind, what', [
+    ('feedback_lost', {'reading': None}),
+    ('feedback_not_finite', {'reading': math.nan}),
+    ('feedback_out_of_range', {'reading': 95.5}),
+    ('feedback_time', {'moved': -5.0}),
+    ('feedback_time', {'moved': 5.0}),
+    ('feedback_frozen', {'steady': True}),
+    ('setpoint_lost', {'wish': None}),
+    ('setpoint_invalid', {'wish': math.nan}),
+    ('setpoint_invalid', {'wish': 1e6}),
+])
+def test_a_fault_brings_the_command_to_zero(machine, kind, what):
+    machine.run_up()
+    goes_to_zero(machine, kind, **what)
+    assert machine.reset().success
+
+
+def test_a_reading_that_jumps_to_and_fro(machine):
+    machine.run_up()
+    while machine.told.get('fault') != 'feedback_jumps':
+        machine.tick(reading=-29.0 if machine.count % 2 else 29.0)
+    goes_to_zero(machine, 'feedback_jumps')
+    machine.until(lambda: machine.reset().success)
+
+
+@pytest.mark.parametrize('way', ['stop', 'hasty_stop'])
+def test_the_topic_stops_whatever_its_durability_and_needs_a_release_and_a_reset(machine, way):
+    from std_msgs.msg import Bool
+    machine.run_up()
+    button = getattr(machine, way)
+    button.publish(Bool(data=True))
+    goes_to_zero(machine, 'emergency_stop', EMERGENCY)
+    refused = machine.reset()
+    assert not refused.success and 'pressed (topic)' in refused.message
+    button.publish(Bool(data=False))
+    machine.until(lambda: machine.told.get('against_reset') == '')
+    assert machine.commands[-1][1] == 0.0
+    assert machine.reset().success
+
+
+def test_the_service_stops(machine):
+    from std_srvs.srv import SetBool
+    machine.run_up()
+    assert machine.call(machine.stopper, SetBool.Request(data=True)).success
+    goes_to_zero(machine, 'emergency_stop', EMERGENCY)
+    assert not machine.reset().success
+    assert machine.call(machine.stopper, SetBool.Request(data=False)).success
+    count = len(machine.commands)
+    assert machine.reset().success
+    machine.until(lambda: machine.told.get('state') == 'running')
+    machine.run_up()
+    # It goes on from zero by the integral: no step of kp * e, no rest of the old integral.
+    first = [value for _, value in machine.commands[count:] if value > 0.0]
+    assert first[0] < 0.1 and max(b - a for a, b in zip(first, first[1:])) < 0.2
+
+
+def test_a_reset_is_refused_while_the_cause_is_there(machine):
+    machine.run_up()
+    goes_to_zero(machine, 'feedback_lost', reading=None)
+    machine.until(lambda: 'no usable' in machine.told['against_reset'], reading=None)
+    refused = machine.reset(reading=None)
+    assert not refused.success and 'no usable speed reading' in refused.message
+    machine.until(lambda: machine.told.get('against_reset') == '')
+    assert machine.reset().success
+
+
+def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_heard():
+    from std_msgs.msg import Bool
+    machine = Machine()
+    try:
+        with node('controller', '-p', f'stop_time:={STOP_TIME}',
+                  '-p', f'emergency_stop_time:={EMERGENCY}', '-p', 'mode:=open_loop'):
+            machine.until(lambda: machine.commands and machine.commands[-1][1] == 6.0,
+                          wish=None, manual=6.0)
+            goes_to_zero(machine, 'command_invalid', wish=None, manual=11.0)
+            machine.until(lambda: machine.told.get('against_reset') == '', manual=6.0)
+            assert machine.reset(manual=6.0).success
+            machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
+        machine.until(lambda: machine.commands[-1][1] == 0.0, wish=None, manual=6.0)
+        machine.stop.publish(Bool(data=True))
+        with node('controller'):
+            machine.told = {}
+            machine.until(lambda: machine.told.get('fault') == 'emergency_stop')
+            assert machine.commands[-1][1] == 0.0
+    finally:
+        machine.node.destroy_node()
+        rclpy.shutdown(context=machine.context)
