@@ -1,30 +1,19 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Figures for papers and screens, drawn with matplotlib (optional, imported on use)."""
+"""Measured and modelled signals of a log as a figure for papers and screens."""
 from __future__ import annotations
 
 from pathlib import Path
 
-from hst_drive.errors import InputError
 from hst_drive.measure.compare import LogComparison
 from hst_drive.measure.run import CHANNELS
+from hst_drive.report.drawing import load_pyplot, save
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
 
 # Okabe and Ito's colours, told apart by colour-blind readers.
 MEASURED, MODEL, RESIDUAL = '#000000', '#D55E00', '#0072B2'
 LEFT_OUT = '#F7F3C8'
-
-
-def _pyplot():
-    try:
-        import matplotlib
-    except ImportError:
-        raise InputError('matplotlib is not installed; plots need it: '
-                         "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-    return pyplot
 
 
 def comparison_figure(log: LogComparison, path: str | Path) -> None:
@@ -37,7 +26,7 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
         If matplotlib is missing or the file cannot be written.
 
     """
-    pyplot = _pyplot()
+    pyplot = load_pyplot()
     names = list(log.signals)
     heights = [height for _ in names for height in (2.0, 1.0)]
     figure, axes = pyplot.subplots(
@@ -72,10 +61,4 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
                       frameon=False, borderpad=0.1)
     axes[-1, 0].set_xlabel('time [s]', fontsize=8)
     figure.align_ylabels()
-    try:
-        figure.savefig(path, dpi=150, bbox_inches='tight')
-    except (OSError, ValueError) as error:
-        raise InputError(f'{path}: cannot be written ({error}); use a name ending in .png or '
-                         '.pdf in a folder that exists') from None
-    finally:
-        pyplot.close(figure)
+    save(figure, path)

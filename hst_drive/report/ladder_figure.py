@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Sequence
 
 from hst_drive.diagnose.result import Step
-from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS
-from hst_drive.report.figures import _pyplot
+from hst_drive.report.drawing import load_pyplot, save
 import numpy as np
 
 # Okabe and Ito's colours without yellow, which is too light for lines; marks differ as well.
@@ -20,7 +19,7 @@ _TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 def require_matplotlib() -> None:
     """Raise InputError where matplotlib is missing: better before the work than after."""
-    _pyplot()
+    load_pyplot()
 
 
 def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> None:
@@ -42,7 +41,7 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
         If matplotlib is missing or the file cannot be written.
 
     """
-    pyplot = _pyplot()
+    pyplot = load_pyplot()
     names = list(steps[0].holdout)
     figure, axis = pyplot.subplots(figsize=(max(5.0, 1.5 + 1.3 * len(steps)), 3.6))
     places = np.arange(len(steps))
@@ -72,13 +71,7 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
                 borderaxespad=0.0)
     if title:
         axis.set_title(title, fontsize=9, loc='left')
-    try:
-        figure.savefig(path, dpi=150, bbox_inches='tight')
-    except (OSError, ValueError) as error:
-        raise InputError(f'{path}: cannot be written ({error}); use a name ending in .png or '
-                         '.pdf in a folder that exists') from None
-    finally:
-        pyplot.close(figure)
+    save(figure, path)
 
 
 def _wrapped(name: str, width: int = 14) -> str:

@@ -1,10 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-Pictures of a motor bench: maps over torque and speed, and the motor-loss paper's Figs. 6 to 27.
-
-matplotlib is optional and imported on use.
-"""
+"""Pictures of a motor bench: maps over torque and speed, the motor-loss paper's Figs. 6 to 27."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
@@ -15,6 +11,7 @@ from hst_drive.losses.selection import grid
 from hst_drive.losses.study import Study
 from hst_drive.losses.table import VARIABLES
 from hst_drive.losses.trends import quantities_of
+from hst_drive.report.drawing import load_pyplot
 from hst_drive.units import from_si
 import numpy as np
 
@@ -59,7 +56,7 @@ def draw(study: Study, target: str | Path, say: Callable[[str], None]) -> list[P
         If matplotlib is missing or nothing can be written there.
 
     """
-    pyplot = _pyplot()
+    pyplot = load_pyplot()
     target = Path(target)
     if target.suffix.lower() not in ('', '.pdf'):
         raise InputError(f'{target}: expected a folder for PNGs, or a name ending in .pdf')
@@ -86,17 +83,6 @@ def draw(study: Study, target: str | Path, say: Callable[[str], None]) -> list[P
                          '.pdf file in a folder that exists') from None
     finally:
         pyplot.close('all')
-
-
-def _pyplot():
-    try:
-        import matplotlib
-    except ImportError:
-        raise InputError('matplotlib is not installed; plots need it: '
-                         "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-    return pyplot
 
 
 def _pages(study: Study, pyplot) -> Iterator[tuple[str, object]]:

@@ -52,7 +52,7 @@ def page(title: str, sentence: str, variants: Sequence[Variant], source: Provena
         blocks += [rivals_section(diagnosis), unit_section(diagnosis)]
     blocks.append(_provenance(source))
     script = '\n'.join(map(asset, SCRIPTS))
-    data = json.dumps(_finite(_data(variants, diagnosis)), allow_nan=False)
+    data = json.dumps(finite(_data(variants, diagnosis)), allow_nan=False)
     return '\n'.join([
         '<!DOCTYPE html>', '<html lang="en"><head><meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
@@ -128,10 +128,10 @@ def _data(variants: list[Variant], diagnosis: dict | None) -> dict:
     }
 
 
-def _finite(value):
-    """Replace numbers that JSON does not know by None."""
+def finite(value: object) -> object:
+    """Return data with None for the numbers that JSON does not know."""
     if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
+        return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_finite(entry) for entry in value]
+        return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

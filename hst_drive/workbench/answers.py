@@ -3,17 +3,18 @@
 """What the page asks, by path, and what it gets: plain functions of JSON, without the network."""
 from __future__ import annotations
 
-import math
 from pathlib import Path
 import re
 import shlex
 from typing import Callable, NamedTuple
 
+from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS
 from hst_drive.report.curves import measured_curves, model_curves, titles
 from hst_drive.report.fails import error_maps
 from hst_drive.report.found_sections import found_section, rivals_section, verdict
+from hst_drive.report.page import finite
 from hst_drive.workbench.bench import parameters, Workbench
 from hst_drive.workbench.jobs import Job
 from hst_drive.workbench.state import PageModel, read_model
@@ -181,7 +182,7 @@ class Answers:
         model = read_model(content.get('model'))
         self.bench.base.rig(model)
         gone = [name for name in self.bench.base.start.effects if name not in model.effects]
-        nameless = [name for name in model.effects if name.startswith('formula')]
+        nameless = [name for name in model.effects if name in FORMULAS]
         if gone or nameless:
             raise InputError(f'{(gone + nameless)[0]}: this model cannot be said on a command '
                              'line; save it as a rig file')
@@ -203,14 +204,3 @@ class Answers:
 
 def _option(name: str, value: str | None) -> tuple[str, ...]:
     return (name, value) if value else ()
-
-
-def finite(value: object) -> object:
-    """Replace numbers that JSON does not know by None."""
-    if isinstance(value, dict):
-        return {key: finite(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(entry) for entry in value]
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    return value
