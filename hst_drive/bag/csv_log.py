@@ -14,6 +14,7 @@ from difflib import get_close_matches
 from operator import methodcaller
 import os
 from pathlib import Path
+from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import ChannelMap, check_unit, Entry, split_header
@@ -23,6 +24,37 @@ from hst_drive.units import from_si
 import numpy as np
 
 _MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
+
+
+class Layout(NamedTuple):
+    """What the header of a file says: which columns to take, and as what."""
+
+    header: list[str]
+    separator: str
+    picks: list[tuple[int, Entry, str]]
+    path: str
+    notes: list[str]
+
+    def read(self, lines: Sequence[str], rows: Sequence[int]) -> tuple[
+            np.ndarray, dict[str, np.ndarray]]:
+        """Return time (s) and channels (SI) of lines, of which ``rows`` are the numbers."""
+        columns = _parse(lines, rows, self.separator, self.header,
+                         [column for column, _, _ in self.picks], self.path)
+        values = [entry.to_si(columns[:, index], unit)
+                  for index, (_, entry, unit) in enumerate(self.picks)]
+        _check_time(values[0], rows, self.path)
+        return values[0], {entry.channel: column
+                           for (_, entry, _), column in zip(self.picks[1:], values[1:])}
+
+
+def layout_of(line: str, channel_map: ChannelMap, path: str) -> Layout:
+    """Return what a header line says."""
+    separator = separator_of(line)
+    header = [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+    while header and not header[-1]:
+        header.pop()
+    notes: list[str] = []
+    return Layout(header, separator, _picks(header, channel_map, path, notes), path, notes)
 
 
 def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap()) -> Run:
@@ -36,22 +68,11 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
 
     """
     lines, rows = read_lines(Path(path))
-    separator = separator_of(lines[0])
-    header = [cell.strip() for cell in next(csv.reader([lines[0]], delimiter=separator))]
-    while header and not header[-1]:
-        header.pop()
-    notes: list[str] = []
-    picks = _picks(header, channel_map, str(path), notes)
+    layout = layout_of(lines[0], channel_map, str(path))
     if len(lines) == 1:
         raise InputError(f'{path}: has a header but no rows of data')
-    columns = _parse(lines[1:], rows[1:], separator, header,
-                     [column for column, _, _ in picks], str(path))
-    values = [entry.to_si(columns[:, index], unit)
-              for index, (_, entry, unit) in enumerate(picks)]
-    _check_time(values[0], rows[1:], str(path))
-    return finish_run(Path(path).stem, values[0], {
-        entry.channel: column for (_, entry, _), column in zip(picks[1:], values[1:])},
-        str(path), notes)
+    time, channels = layout.read(lines[1:], rows[1:])
+    return finish_run(Path(path).stem, time, channels, str(path), layout.notes)
 
 
 def write_csv(path: str | os.PathLike[str], run: Run) -> None:
@@ -165,7 +186,7 @@ def _unit(entry: Entry, cell: str, path: str) -> str:
     return check_unit(unit, si, f'{path}: column {cell!r}')
 
 
-def _parse(lines: list[str], rows: Sequence[int], separator: str, header: list[str],
+def _parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
            columns: list[int], path: str) -> np.ndarray:
     """Return the numbers of the chosen columns, shape (rows, columns)."""
     comma = separator != ',' and any(',' in line for line in lines[:1000])
@@ -181,7 +202,7 @@ def _parse(lines: list[str], rows: Sequence[int], separator: str, header: list[s
     return _parse_slowly(plain, rows, separator, header, columns, path)
 
 
-def _parse_slowly(lines: list[str], rows: Sequence[int], separator: str, header: list[str],
+def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
                   columns: list[int], path: str) -> np.ndarray:
     """Do the same cell by cell: for missing samples, quotes, and to say what is wrong."""
     out = np.empty((len(lines), len(columns)))

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
 from hst_drive.cli.output import add_json_argument, check_target, say, table, write_json
+from hst_drive.cli.sections import (
+    asks_for_sections, in_sections, LONG_FILE, MINUTES, told)
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from hst_drive.measure.where import Region
 
 HELP = 'replay recordings through the model: how well does it fit, and where not'
+_MOST_SPANS = 12
 _CLEAR = 1.25   # a noise ratio above it is an error to look at
 
 
@@ -34,6 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "'diagnose' leaves out, too")
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw measured, model and error (several logs: one file each)')
+    parser.add_argument('--sections', metavar='MIN', type=float,
+                        help='cut each log in sections of so many minutes, so that it need not '
+                        f'fit into the memory (CSV; default: {MINUTES:g} for files beyond '
+                        f'{LONG_FILE / 1e6:.0f} MB)')
     add_json_argument(parser)
 
 
@@ -44,12 +51,15 @@ def run(args: argparse.Namespace) -> int:
     if args.plot:
         check_plot(args.plot)
     rig = rig_of(args)
-    runs = read_logs(args.logs, args.channels)
-    for entry in runs:
-        for note in entry.notes:
-            say(f'{entry.name}: {note}')
-    result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
-                     all_seconds=args.all)
+    if asks_for_sections(args):
+        result = in_sections(rig, args)
+    else:
+        runs = read_logs(args.logs, args.channels)
+        for entry in runs:
+            for note in entry.notes:
+                say(f'{entry.name}: {note}')
+        result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
+                         all_seconds=args.all)
     # With the JSON on standard output, nothing else may stand there.
     if args.json != '-':
         print(text(result))
@@ -76,7 +86,7 @@ def text(result: Comparison, most_regions: int = 8) -> str:
     delays = [f'{log.run.name}: {name} is {abs(delay) * 1e3:.1f} ms '
               f'{"late" if delay > 0 else "early"}' for log in result.logs
               for name, delay in log.delays.items()
-              if abs(delay) > max(0.2 * log.run.sample_time, 1e-3)]
+              if abs(delay) > max(0.2 * log.sample_time, 1e-3)]
     delays += [f'{log.run.name}: the clocks of commands and readings differ by '
                f'{1e3 * log.shift:.0f} ms; the commands were moved' for log in result.logs
                if log.shift]
@@ -85,11 +95,18 @@ def text(result: Comparison, most_regions: int = 8) -> str:
     left_out = [line for log in result.logs for line in _left_out(log)]
     if left_out:
         lines += ['', "left out, as in 'diagnose' (--all judges it, too):", *left_out]
+    cut = [told(log) for log in result.logs if log.sections]
+    lines += ['', *cut] if cut else []
     return '\n'.join(lines)
 
 
 def _left_out(log: LogComparison) -> list[str]:
-    spans = [f'{span.start:.2f} to {span.end:.2f} s ({span.why})' for span in log.judged.left_out]
+    spans = [f'{span.start:.2f} to {span.end:.2f} s ({span.why})'
+             for span in log.judged.left_out[:_MOST_SPANS]]
+    more = log.judged.left_out[_MOST_SPANS:]
+    if more:
+        seconds = sum(span.end - span.start for span in more)
+        spans.append(f'and {seconds:.0f} s in {len(more)} more')
     lines = [f'{log.run.name}: {"; ".join(spans)}'] if spans else []
     return lines + [f'{log.run.name}: {why} would take {100 * share:.0f} % of the log: judged, too'
                     for why, share in log.judged.kept.items()]
@@ -157,7 +174,8 @@ def as_json(result: Comparison, rig: str) -> dict:
         'signals': _signals_json(result.signals),
         'where': [region._asdict() for region in result.where],
         'by_log': [{'log': log.run.source, 'signals': _signals_json(log.signals),
-                    'delays': {'unit': 's', **log.delays}, **_left_out_json(log)}
+                    'delays': {'unit': 's', **log.delays}, **_left_out_json(log),
+                    **({'sections': log.sections._asdict()} if log.sections else {})}
                    for log in result.logs],
     }
 

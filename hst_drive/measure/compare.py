@@ -26,12 +26,29 @@ _MENDED = 0.3           # of the squared error may stay if clocks are to blame
 _LONGEST_DELAY = 0.1    # s
 
 
+class Sections(NamedTuple):
+    """
+    How a long log was cut: so many sections of ``seconds``, each judged without its overlap.
+
+    ``before`` and ``after`` (s) are replayed with each but not judged; ``samples`` counts those
+    of the log.
+    """
+
+    count: int
+    seconds: float
+    before: float
+    after: float
+    samples: int
+    sample_time: float
+
+
 class LogComparison(NamedTuple):
     """
     One log: the recording, what the model gives, and errors.
 
     ``delays`` is how late each measured signal was found, s; ``shift`` the delay that all have in
     common, by which the commands were moved; ``judged`` says which samples the errors count.
+    Of a log that was compared in ``sections``, ``run`` and ``model`` hold a part of the samples.
     """
 
     run: Run
@@ -40,6 +57,12 @@ class LogComparison(NamedTuple):
     delays: dict[str, float]
     shift: float
     judged: Judged
+    sections: Sections | None = None
+
+    @property
+    def sample_time(self) -> float:
+        """Time between the samples of the recording, s."""
+        return self.sections.sample_time if self.sections else self.run.sample_time
 
     def measured(self, name: str) -> np.ndarray:
         """Return a measured signal, NaN where it is not judged."""
@@ -84,29 +107,14 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         If a recording lacks the channels that a replay needs.
 
     """
-    logs, floors, variables = [], [], []
+    logs, variables = [], []
     if closed_loop and isinstance(drive, PartModel):
         raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
                          'out')
     for run in runs:
-        count = (everything if all_seconds or isinstance(drive, PartModel) else judged)(run)
-        replay, shift, model, floor = _aligned(run, drive, count)
-        run = replay.run
-        noise = dict(replay.noise)
-        if closed_loop:
-            torque = {replay.torque: model[replay.torque]} if replay.can_correct else {}
-            model = {**_closed_loop(drive, run, replay), **torque}
-            noise['pump_command'] = _command_noise(run['pump_command'])
-            floor['pump_command'] = _command_floor(drive, run, noise['pump_command'],
-                                                   floor.get('motor_speed', 0.0))
-        log = LogComparison(run, model, {}, {}, shift, count)
-        delays = {name: _delay(run.time, model[name], log.measured(name), floor[name])
-                  for name in model}
-        signals = {name: summarise(model[name], log.measured(name), CHANNELS[name].unit,
-                                   noise[name], floor[name]) for name in model}
-        logs.append(log._replace(signals=signals, delays=delays))
-        floors.append(floor)
-        variables.append(operating_variables(run))
+        log = compare_log(drive, run, closed_loop=closed_loop, all_seconds=all_seconds)
+        logs.append(log)
+        variables.append(operating_variables(log.run))
     names = list(dict.fromkeys(name for log in logs for name in log.signals))
     pooled = {name: _pool([log for log in logs if name in log.signals], name) for name in names}
     shared = set.intersection(*(set(entry) for entry in variables))
@@ -116,6 +124,27 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         {name: [entry[name] for entry in variables] for name in variables[0] if name in shared},
         {name: pooled[name].floor for name in everywhere})
     return Comparison(drive.rig.name, closed_loop, pooled, regions, logs)
+
+
+def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,
+                all_seconds: bool = False) -> LogComparison:
+    """Do what ``compare`` does with one recording, but for the regions of the error."""
+    count = (everything if all_seconds or isinstance(drive, PartModel) else judged)(run)
+    replay, shift, model, floor = _aligned(run, drive, count)
+    run = replay.run
+    noise = dict(replay.noise)
+    if closed_loop:
+        torque = {replay.torque: model[replay.torque]} if replay.can_correct else {}
+        model = {**_closed_loop(drive, run, replay), **torque}
+        noise['pump_command'] = _command_noise(run['pump_command'])
+        floor['pump_command'] = _command_floor(drive, run, noise['pump_command'],
+                                               floor.get('motor_speed', 0.0))
+    log = LogComparison(run, model, {}, {}, shift, count)
+    delays = {name: _delay(run.time, model[name], log.measured(name), floor[name])
+              for name in model}
+    signals = {name: summarise(model[name], log.measured(name), CHANNELS[name].unit,
+                               noise[name], floor[name]) for name in model}
+    return log._replace(signals=signals, delays=delays)
 
 
 def _pool(logs: Sequence[LogComparison], name: str) -> ErrorSummary:

@@ -47,7 +47,12 @@ def russell(model: np.ndarray, measured: np.ndarray) -> Russell:
     Shock and Vibration Symposium, 1997.
 
     """
-    a, b, c = float(model @ model), float(measured @ measured), float(model @ measured)
+    return russell_of_sums(float(model @ model), float(measured @ measured),
+                           float(model @ measured))
+
+
+def russell_of_sums(a: float, b: float, c: float) -> Russell:
+    """Return Russell's errors from A, B and C (``russell``)."""
     if a <= 0 or b <= 0:
         return Russell(math.nan, math.nan, math.nan)
     root = math.sqrt(a) * math.sqrt(b)

@@ -38,7 +38,7 @@ def log(run, tmp_path_factory):
 
 def command(capsys, *arguments):
     """Return exit code, standard output and standard error."""
-    code = cli.main(['compare', *map(str, arguments)])
+    code = cli.cli.main(['compare', *map(str, arguments)])
     return code, *capsys.readouterr()
 
 
@@ -273,3 +273,20 @@ def test_what_is_left_out_is_told(run, tmp_path, capsys):
     out = command(capsys, path)[1]
     assert 'low: 0.00 to 1.10 s (start from rest)' in out
     assert 'low: cavitation would take 25 % of the log: judged, too' in out
+
+
+@pytest.mark.needs_numba
+def test_a_log_in_sections(tmp_path, capsys):
+    """Says how it was cut, and what cannot be cut."""
+    log = tmp_path / 'long.csv'
+    write_csv(log, record(3, duration=130.0, rate=20))
+    target = tmp_path / 'out.json'
+    assert cli.main(['compare', str(log), '--sections', '1', '--json', str(target)]) == 0
+    assert 'compared in 2 sections of 1 min, each replayed from 30 s before' in (
+        capsys.readouterr().out)
+    cut = json.loads(target.read_text())['by_log'][0]['sections']
+    assert (cut['count'], cut['seconds'], cut['samples']) == (2, 60.0, 2600)
+    for more, told in ((['--closed-loop'], 'leave it out'), ([str(log)], 'give it alone'),
+                       (['--sections', '0'], 'at least 1 min')):
+        assert cli.main(['compare', str(log), '--sections', '1', *more]) == 2
+        assert told in capsys.readouterr().err

@@ -2,9 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A long recording: short cuts on the way must not change what comes out."""
 from hst_drive.measure import kept_replay
+from hst_drive.measure.compare import compare
+from hst_drive.measure.errors import summarise
 from hst_drive.measure.kept_replay import KeptReplay
+from hst_drive.measure.moments import Moments
 from hst_drive.measure.pieces import LEAD, PIECES, simulate_in_pieces
 from hst_drive.measure.replay import Replay
+from hst_drive.measure.run import Run
+from hst_drive.measure.sections import AFTER, BEFORE, compare_sections
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
 import numpy as np
@@ -60,3 +65,47 @@ def test_the_floor_of_stretches_is_that_of_the_whole(monkeypatch):
     monkeypatch.setattr(kept_replay, 'LONG', 100.0)
     monkeypatch.setattr(kept_replay, '_STRETCH', 10.0)
     assert KeptReplay(run, drive).floor(drive) == pytest.approx(whole, rel=0.05)
+
+
+@pytest.mark.needs_numba
+def test_sections_give_the_errors_of_the_whole():
+    """20 min in sections of 7 min: errors within 0.1 %, noise and floor within 3 %."""
+    pieces = [record(seed, duration=300.0, effects={'motor_leakage': {}}) for seed in range(4)]
+    time = np.arange(sum(map(len, pieces))) / 100
+    whole = Run('joined', time, {name: np.concatenate([piece[name] for piece in pieces])
+                                 for name in pieces[0].channels}, 'joined.csv')
+    drive = Drive(RIG)
+    expected = compare(drive, [whole])
+    edges = [0.0, 420.0, 840.0, np.inf]
+    found = compare_sections(drive, 'joined', 'joined.csv', (
+        (whole.between(start - BEFORE, end + AFTER), start, end)
+        for start, end in zip(edges, edges[1:])), 420.0)
+    assert found.logs[0].sections[:4] == (3, 420.0, BEFORE, AFTER)
+    assert list(found.signals) == list(expected.signals)
+    for name, entry in expected.signals.items():
+        got = found.signals[name]
+        assert got.samples == entry.samples
+        for key in ('rmse', 'bias', 'fit'):
+            assert getattr(got, key) == pytest.approx(getattr(entry, key), rel=1e-3,
+                                                      abs=1e-3 * entry.rmse), (name, key)
+        assert got.russell == pytest.approx(entry.russell, rel=1e-3, abs=1e-6)
+        assert got.noise_std == pytest.approx(entry.noise_std, rel=0.03), name
+        assert got.floor == pytest.approx(entry.floor, rel=0.03), name
+    same = {(region.signal, region.variable) for region in expected.where[:3]}
+    assert same & {(region.signal, region.variable) for region in found.where[:3]}
+
+
+def test_moments_are_the_errors_of_all_samples():
+    """Sums over parts, also with a mean far larger than the spread and with gaps."""
+    random = np.random.default_rng(8)
+    measured = 1e6 + random.standard_normal(1000)
+    measured[100:140] = np.nan
+    model = measured + 0.1 + random.standard_normal(1000)
+    moments = Moments()
+    for part in (slice(0, 120), slice(120, 135), slice(135, 1000)):
+        moments.add(model[part], measured[part], 0.5, 2.0)
+    expected = summarise(model, measured, 'Pa', 0.5, 2.0)
+    found = moments.summary('Pa')
+    assert found[1:-1] == pytest.approx(expected[1:-1], rel=1e-9)
+    assert found.russell == pytest.approx(expected.russell, rel=1e-3, abs=1e-7)
+    assert Moments().summary('Pa').samples == 0

@@ -1,0 +1,82 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Long logs on the command line: when to cut, reading in sections, and what to say about it."""
+from __future__ import annotations
+
+import argparse
+from itertools import chain
+import os
+from pathlib import Path
+import sys
+from typing import Iterator, TYPE_CHECKING
+
+from hst_drive.errors import InputError
+
+if TYPE_CHECKING:
+    from hst_drive.measure.compare import Comparison, LogComparison
+    from hst_drive.measure.run import Run
+    from hst_drive.rig import Rig
+
+MINUTES = 10.0
+LONG_FILE = 60e6    # bytes; some two or three hours at 100 Hz
+
+
+def asks_for_sections(args: argparse.Namespace) -> bool:
+    """Tell whether the log is to be cut: because the user says so, or because it is too long."""
+    if args.sections is not None and not 1.0 <= args.sections < float('inf'):
+        raise InputError(f'--sections {args.sections:g}: expected at least 1 min')
+    if args.sections is None and not any(map(_too_long, args.logs)):
+        return False
+    for path in args.logs:
+        if len(args.logs) > 1 and (args.sections or _too_long(path)):
+            raise InputError(f'{path}: is to be cut in sections; give it alone')
+        if os.path.isdir(path) or path.endswith(('.mcap', '.db3')):
+            raise InputError(f'{path}: only CSV logs can be cut in sections; leave --sections out')
+    if args.closed_loop:
+        raise InputError(f'{args.logs[0]}: is to be cut in sections, through which --closed-loop '
+                         'cannot run; leave it out, or give a shorter log')
+    return True
+
+
+def _too_long(path: str) -> bool:
+    return (os.path.isfile(path) and not path.endswith(('.mcap', '.db3'))
+            and os.path.getsize(path) > LONG_FILE)
+
+
+def in_sections(rig: Rig, args: argparse.Namespace) -> Comparison:
+    """Compare a log section by section."""
+    from hst_drive.bag import ChannelMap, load_channel_map
+    from hst_drive.bag.csv_sections import csv_sections
+    from hst_drive.measure.compare import model_of
+    from hst_drive.measure.run import refuse_impossible
+    from hst_drive.measure.sections import AFTER, BEFORE, compare_sections
+
+    path, seconds = args.logs[0], 60.0 * (args.sections or MINUTES)
+    mapping = load_channel_map(args.channels) if args.channels else ChannelMap()
+    cut = csv_sections(path, mapping, seconds, BEFORE, AFTER)
+    first = next(cut, None)
+    if first is None:
+        raise InputError(f'{path}: holds too few rows to compare')
+
+    def progress(done: float) -> None:
+        if sys.stderr.isatty():
+            print(f'\rcompared up to {done / 3600:.1f} h', end='', file=sys.stderr, flush=True)
+
+    def sections() -> Iterator[tuple[Run, float, float]]:
+        for section in chain([first], cut):
+            refuse_impossible(section.run)
+            yield section
+
+    return compare_sections(model_of(rig, [first.run]), Path(path).stem, path, sections(),
+                            seconds, all_seconds=args.all, progress=progress)
+
+
+def told(log: LogComparison) -> str:
+    """Say how a log was cut; nothing if it was not."""
+    cut = log.sections
+    if cut is None:
+        return ''
+    return (f'{log.run.name}: compared in {cut.count} sections of {cut.seconds / 60:g} min, each '
+            f'replayed from {cut.before:g} s before to {cut.after:g} s after it; noise and floor '
+            f'are means over the sections, regions are from {len(log.run)} of {cut.samples} '
+            'samples')
