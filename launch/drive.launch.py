@@ -11,13 +11,18 @@ to go. Simulated time in lockstep unless ``lockstep:=false``.
 Unlike ``hst-drive run`` this starts from rest and takes gains, rig and hidden effects from the
 nodes' parameters, not from the scenario; a scenario of commands by hand needs
 ``mode:=open_loop``.
+
+``managed:=true`` starts them as lifecycle nodes, which a manager configures and activates in
+order. Two drives in one ROS domain: ``namespace`` for each, and in lockstep ``clock`` and
+``diagnostics`` as well, for those two topics are global (docs/integration.md).
 """
 from hst_drive.nodes.wiring import NODES
 from hst_drive.resources import share
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
+from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
-from launch.substitutions import LaunchConfiguration
+from launch.substitutions import LaunchConfiguration, PythonExpression
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
@@ -38,6 +43,10 @@ def generate_launch_description():
     namespace = LaunchConfiguration('namespace')
     common = {'lockstep': ParameterValue(LaunchConfiguration('lockstep'), value_type=bool),
               'partners': list(NODES)}
+    way = PythonExpression(["'--managed' if '", LaunchConfiguration('managed'),
+                            "' == 'true' else '--plain'"])
+    remappings = [('/clock', LaunchConfiguration('clock')),
+                  ('/diagnostics', LaunchConfiguration('diagnostics'))]
     nodes = {}
     for name in NODES:
         own = {key: ParameterValue(LaunchConfiguration(key), value_type=kind)
@@ -46,8 +55,11 @@ def generate_launch_description():
             own['rig'] = ParameterValue(LaunchConfiguration('rig'), value_type=str)
         nodes[name] = Node(
             package='hst_drive', executable=name, namespace=namespace, output='screen',
-            parameters=[LaunchConfiguration('config'), common, own],
-            sigterm_timeout='15')
+            parameters=[LaunchConfiguration('config'), common, own], arguments=[way],
+            remappings=remappings, sigterm_timeout='15')
+    manager = Node(package='hst_drive', executable='manager', namespace=namespace,
+                   output='screen', parameters=[{'nodes': [*reversed(NODES)]}],
+                   condition=IfCondition(LaunchConfiguration('managed')))
     return LaunchDescription([
         DeclareLaunchArgument('config', default_value=str(share('config', 'drive.yaml')),
                               description='parameters of all nodes'),
@@ -55,9 +67,15 @@ def generate_launch_description():
         DeclareLaunchArgument('namespace', default_value='drive', description='of all topics'),
         DeclareLaunchArgument('lockstep', default_value='true',
                               description='simulated time; false: the clock on the wall'),
+        DeclareLaunchArgument('managed', default_value='false',
+                              description='lifecycle nodes with a manager'),
+        DeclareLaunchArgument('clock', default_value='/clock', description='name of that topic'),
+        DeclareLaunchArgument('diagnostics', default_value='/diagnostics',
+                              description='name of that topic'),
         *(DeclareLaunchArgument(name, default_value=default, description=meaning)
           for name, (default, meaning, _, _) in ARGUMENTS.items()),
         *nodes.values(),
+        manager,
         *(RegisterEventHandler(OnProcessExit(
             target_action=node, on_exit=[Shutdown(reason=f'{name} has ended')]))
           for name, node in nodes.items()),

@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 NODES = ('controller', 'estimator', 'load_profile', 'plant', 'recorder')
-PROGRAMS = sorted(('hst-drive', *NODES))
+PROGRAMS = sorted(('hst-drive', 'manager', *NODES))
 ASK = 'from hst_drive.resources import share; print(share("config"))'
 
 

@@ -37,6 +37,8 @@ def test_it_declares_its_arguments_and_starts_all_nodes(file):
 
     found = file.generate_launch_description().entities
     assert {entity.name for entity in found if isinstance(entity, DeclareLaunchArgument)} == {
-        *file.ARGUMENTS, 'config', 'rig', 'namespace', 'lockstep'}
-    assert [entity.node_executable for entity in found if isinstance(entity, Node)] == list(NODES)
+        *file.ARGUMENTS, 'config', 'rig', 'namespace', 'lockstep', 'managed', 'clock',
+        'diagnostics'}
+    assert [entity.node_executable for entity in found if isinstance(entity, Node)] == [
+        *NODES, 'manager']
     assert sum(isinstance(entity, RegisterEventHandler) for entity in found) == len(NODES)

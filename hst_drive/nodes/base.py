@@ -160,6 +160,8 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
     """
     Run a node until it ends, is told to (SIGINT, SIGTERM) or fails.
 
+    With ``--managed`` among the arguments it waits for the transitions of the lifecycle.
+
     Returns
     -------
     int
@@ -175,9 +177,13 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
     node = None
     code = 0
     try:
-        node = node_class()
-        node.configure()
-        node.activate()
+        if '--managed' in (sys.argv if args is None else args):
+            from hst_drive.nodes.lifecycle import managed
+            node = managed(node_class)()
+        else:
+            node = node_class()
+            node.configure()
+            node.activate()
         executor = _executor()
         executor.add_node(node)
         while rclpy.ok() and node.exit_code is None and not signals:

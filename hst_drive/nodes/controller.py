@@ -66,6 +66,12 @@ class Controller(DriveNode):
                   'emergency stop', 's', 0.01, 60.0),
     )
 
+    def __init__(self):
+        super().__init__()
+        self._law: PiController | None = None
+        self.add_on_set_parameters_callback(self._judge_change)
+        self.add_post_set_parameters_callback(self._change)
+
     def configure(self) -> None:
         """Build the control law."""
         settings = self.settings
@@ -96,8 +102,6 @@ class Controller(DriveNode):
         self._usable = True
         self._told: str | None = None
         self._ended = False
-        self.add_on_set_parameters_callback(self._judge_change)
-        self.add_post_set_parameters_callback(self._change)
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -139,7 +143,8 @@ class Controller(DriveNode):
     def _change(self, parameters) -> None:
         """Take new gains over, all at once and without a jump of the command."""
         gains = {entry.name: entry.value for entry in parameters if entry.name in ('kp', 'ki')}
-        if gains:
+        self.settings.update(gains)
+        if self._law:
             self._law.retune(gains.get('kp', self._law.kp), gains.get('ki', self._law.ki))
 
     def _seconds(self, stamp: int | None = None) -> float:

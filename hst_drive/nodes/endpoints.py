@@ -13,6 +13,7 @@ from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import (FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE, Topic, TOPICS,
                                   TRUTH)
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
 
 BILLION = 1_000_000_000
 _STAMP = struct.Struct('<iI')
@@ -97,7 +98,8 @@ class Output:
         self._numbers = Layout(codec, data, paths).numbers
         self._convert = [field.from_channel for field in topic.fields]
         self.publisher = node.create_publisher(
-            message_class(topic.type), topic.name, qos_profile(topic.qos))
+            message_class(topic.type), topic.name, qos_profile(topic.qos),
+            qos_overriding_options=QoSOverridingOptions.with_default_policies())
         self.published = 0
 
     def publish(self, stamp: int, *values: float) -> None:
@@ -132,7 +134,7 @@ class Input:
         self._log = node.get_logger()
         self.subscription = node.create_subscription(
             message_class(topic.type), topic.name, self._received, qos_profile(topic.qos),
-            raw=True)
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(), raw=True)
 
     def _received(self, data: bytes) -> None:
         try:

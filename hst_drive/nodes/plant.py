@@ -242,7 +242,7 @@ class Plant(DriveNode):
         for name, output in self.outputs.items():
             source = truth if name.startswith(TRUTH) else readings
             output.publish(self._stamp(), *(source[field.channel or 'motor_angle']
-                                    for field in output.topic.fields))
+                                            for field in output.topic.fields))
         self._tell()
 
     def _tick(self) -> None:

@@ -13,7 +13,7 @@ STOP_TIME, EMERGENCY = 0.8, 0.4
 
 
 class Machine:
-    """What surrounds the controller: sensor, set point, operator, valve, and a diagnostics view."""
+    """What surrounds the controller: sensor, set point, operator, valve, diagnostics."""
 
     def __init__(self):
         from diagnostic_msgs.msg import DiagnosticArray

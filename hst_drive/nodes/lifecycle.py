@@ -1,0 +1,101 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A node of ours as a managed node: the states of ROS 2's lifecycle."""
+from __future__ import annotations
+
+import traceback
+
+from hst_drive.errors import InputError
+from rclpy.lifecycle import LifecycleNodeMixin, TransitionCallbackReturn
+
+_KINDS = ('publisher', 'subscription', 'timer', 'service', 'client')
+
+
+def managed(node_class):
+    """
+    Return the class of a node that is configured and activated from outside.
+
+    * configure: the parameters are turned into what the node works with; what is wrong is
+      logged, and the node stays unconfigured.
+    * activate: the endpoints open; no topic of ours exists in another state. Each activation
+      begins afresh.
+    * deactivate: the node ends its work as at its end (the controller goes to 0 V first) and
+      closes the endpoints.
+    * an exception in a transition is logged, what is open is closed, the node is unconfigured.
+    """
+    class Managed(LifecycleNodeMixin, node_class):
+
+        def __init__(self):
+            node_class.__init__(self)
+            self._opened_before: set | None = None
+            self._fresh = False
+            LifecycleNodeMixin.__init__(self)
+
+        def on_configure(self, state) -> TransitionCallbackReturn:
+            self._fresh = True
+            return self._carry_out(self.configure)
+
+        def on_activate(self, state) -> TransitionCallbackReturn:
+            return self._carry_out(self._open)
+
+        def on_deactivate(self, state) -> TransitionCallbackReturn:
+            return self._carry_out(self._close)
+
+        def on_cleanup(self, state) -> TransitionCallbackReturn:
+            return TransitionCallbackReturn.SUCCESS
+
+        def on_shutdown(self, state) -> TransitionCallbackReturn:
+            return self._carry_out(self._close)
+
+        def on_error(self, state) -> TransitionCallbackReturn:
+            return self._carry_out(self._close)
+
+        def _open(self) -> None:
+            if not self._fresh:
+                self.configure()
+            self._fresh = False
+            self._opened_before = self._endpoints()
+            try:
+                self.activate()
+            except BaseException:
+                self._close()
+                raise
+
+        def _close(self) -> None:
+            if self._opened_before is None:
+                return
+            before, self._opened_before = self._opened_before, None
+            try:
+                self.deactivate()
+            finally:
+                for kind, entity in self._endpoints() - before:
+                    getattr(self, f'destroy_{kind}')(entity)
+                self.outputs.clear()
+                self.inputs.clear()
+
+        def _endpoints(self) -> set:
+            return {(kind, entity) for kind in _KINDS for entity in getattr(self, f'{kind}s')}
+
+        def _carry_out(self, step) -> TransitionCallbackReturn:
+            try:
+                step()
+            except InputError as error:
+                self.get_logger().error(str(error))
+                return TransitionCallbackReturn.FAILURE
+            except Exception:
+                # rclpy would take it without a word.
+                self.get_logger().error(traceback.format_exc())
+                return TransitionCallbackReturn.ERROR
+            return TransitionCallbackReturn.SUCCESS
+
+        def _LifecycleNodeMixin__on_change_state(self, request, response):
+            """Answer a transition that does not fit the state; rclpy 7.1 would end the node."""
+            try:
+                return super()._LifecycleNodeMixin__on_change_state(request, response)
+            except Exception as error:
+                self.get_logger().warning(f'no such transition from here: {error}')
+                response.success = False
+                return response
+
+    Managed.__name__ = f'Managed{node_class.__name__}'
+    return Managed

@@ -1,0 +1,115 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Brings managed nodes up in order, and down in the opposite order at its own end."""
+from __future__ import annotations
+
+import signal
+import sys
+import time
+
+from hst_drive.errors import InputError
+from hst_drive.nodes.parameters import declare, Parameter
+from lifecycle_msgs.msg import State, Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+_GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INACTIVE),
+          'activate': (Transition.TRANSITION_ACTIVATE, State.PRIMARY_STATE_ACTIVE),
+          'deactivate': (Transition.TRANSITION_DEACTIVATE, State.PRIMARY_STATE_INACTIVE),
+          'cleanup': (Transition.TRANSITION_CLEANUP, State.PRIMARY_STATE_UNCONFIGURED)}
+
+
+class Refused(Exception):
+    """A node is not where it should be; the text says which and where."""
+
+
+class Manager(Node):
+    """Takes the nodes of its parameter, in its own namespace, through their states."""
+
+    def __init__(self):
+        super().__init__('manager', namespace='drive')
+        settings = declare(self, (
+            Parameter('nodes', [], 'nodes to bring up, in this order'),
+            Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
+                      3600.0)))
+        self.names, self.patience = settings['nodes'], settings['patience']
+        if not self.names:
+            raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
+        self.executor_ = SingleThreadedExecutor()
+        self.executor_.add_node(self)
+        self.up: list[str] = []
+        self._clients_of = {name: (self.create_client(ChangeState, f'{name}/change_state'),
+                                   self.create_client(GetState, f'{name}/get_state'))
+                            for name in self.names}
+
+    def bring_up(self) -> None:
+        """Configure all, then activate all."""
+        for step in ('configure', 'activate'):
+            for name in self.names:
+                self._go(name, step)
+                if name not in self.up:
+                    self.up.append(name)
+                self.get_logger().info(f'{name}: {step}d')
+
+    def bring_down(self) -> None:
+        """Deactivate and clean up what is up, last things first."""
+        for name in reversed(self.up):
+            for step in ('deactivate', 'cleanup'):
+                try:
+                    self._go(name, step)
+                except Refused as problem:
+                    self.get_logger().warning(str(problem))
+        self.up.clear()
+
+    def _go(self, name: str, step: str) -> None:
+        number, goal = _GOALS[step]
+        change, ask = self._clients_of[name]
+        for client in (change, ask):
+            if not client.wait_for_service(timeout_sec=self.patience):
+                raise Refused(f'{name}: no such managed node; start it with --managed')
+        if self._answer(change, ChangeState.Request(transition=Transition(id=number))):
+            return
+        # An answer may be lost while the endpoints find each other: what counts is the state.
+        state = self._answer(ask, GetState.Request(), 'current_state')
+        if state is None or state.id != goal:
+            raise Refused(f'{name}: does not {step}; it is '
+                          f'{state.label if state else "silent"}, its log says why')
+
+    def _answer(self, client, request, field: str = 'success'):
+        future = client.call_async(request)
+        self.executor_.spin_until_future_complete(future, timeout_sec=self.patience)
+        return getattr(future.result(), field) if future.done() else None
+
+
+def main(args: list[str] | None = None) -> int:
+    """Bring the nodes up, wait for SIGINT or SIGTERM, bring them down."""
+    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+    signals: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _: signals.append(received))
+    node, code = None, 0
+    try:
+        node = Manager()
+        node.bring_up()
+        print('all nodes are active', flush=True)
+        while not signals:
+            time.sleep(0.1)
+    except Refused as problem:
+        print(f'manager: {problem}', file=sys.stderr, flush=True)
+        code = 1
+    except InputError as error:
+        print(error, file=sys.stderr, flush=True)
+        code = 2
+    finally:
+        if node is not None:
+            node.bring_down()
+            node.destroy_node()
+        rclpy.try_shutdown()
+    return code
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,166 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Managed nodes, their manager, and two drives on one machine: processes over real DDS."""
+from contextlib import contextmanager, ExitStack
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from .processes import environment, messages, node, PATIENCE, wait_for
+from .test_nodes import client, parameters_of  # noqa: F401 (a fixture)
+
+rclpy = pytest.importorskip('rclpy')
+
+
+@contextmanager
+def managed(name, *arguments):
+    """Start a node as a managed one."""
+    process = subprocess.Popen(
+        [sys.executable, '-m', f'hst_drive.nodes.{name}', '--managed', '--ros-args', *arguments],
+        env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        process.out, process.err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, process.err
+
+
+class Asker:
+    """Asks a managed node for transitions and states."""
+
+    def __init__(self, client, name):
+        from lifecycle_msgs.srv import ChangeState, GetState
+        self.asker, self.answer, self.executor = client
+        self.change = self.asker.create_client(ChangeState, f'/drive/{name}/change_state')
+        self.get = self.asker.create_client(GetState, f'/drive/{name}/get_state')
+        for entry in (self.change, self.get):
+            assert entry.wait_for_service(timeout_sec=PATIENCE)
+
+    def __call__(self, number):
+        from lifecycle_msgs.srv import ChangeState
+        request = ChangeState.Request()
+        request.transition.id = number
+        return self.answer(self.change.call_async(request)).success
+
+    @property
+    def state(self):
+        from lifecycle_msgs.srv import GetState
+        return self.answer(self.get.call_async(GetState.Request())).current_state.label
+
+
+CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, SHUTDOWN = 1, 2, 3, 4, 7
+
+
+def test_the_states_of_a_node_and_transitions_that_do_not_fit(client):  # noqa: F811
+    from sensor_msgs.msg import JointState
+    got = []
+    heard = client[0].create_subscription(JointState, '/drive/motor', got.append, 100)
+
+    def silent():
+        return client[0].count_publishers('/drive/motor') == 0
+
+    with managed('plant') as process:
+        ask = Asker(client, 'plant')
+        assert ask.state == 'unconfigured' and silent()
+        for wrong in (ACTIVATE, DEACTIVATE, CLEANUP, 99):
+            assert not ask(wrong)
+        assert ask.state == 'unconfigured'
+        for _ in range(2):
+            assert ask(CONFIGURE) and ask.state == 'inactive'
+            assert not ask(CONFIGURE) and silent()
+            for _ in range(2):
+                assert ask(ACTIVATE) and ask.state == 'active'
+                del got[:]
+                while len(got) < 10:
+                    client[2].spin_once(timeout_sec=1.0)
+                assert ask(DEACTIVATE) and ask.state == 'inactive'
+                wait_for(silent)
+            assert ask(CLEANUP)
+        assert ask(5) and ask.state == 'finalized'
+        assert process.poll() is None
+    client[0].destroy_subscription(heard)
+    assert 'Traceback' not in process.err and 'no such transition' in process.err
+
+
+def test_a_node_that_cannot_be_configured_says_why_and_stays(client):  # noqa: F811
+    with managed('plant', '-p', 'rig:=nowhere.yaml') as process:
+        ask = Asker(client, 'plant')
+        assert not ask(CONFIGURE) and ask.state == 'unconfigured'
+    assert 'nowhere.yaml' in process.err and 'Traceback' not in process.err
+
+
+def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path):  # noqa: F811
+    names = ['recorder', 'estimator', 'load_profile', 'controller', 'plant']
+    common = ('-p', f"partners:=[{','.join(names)}]")
+    with ExitStack() as stack:
+        for name in names:
+            stack.enter_context(managed(name, *common, *(
+                ('-p', f'output:={tmp_path / "bag"}') if name == 'recorder' else ())))
+        with node('manager', '-p', f"nodes:=[{','.join(names)}]") as manager:
+            wait_for(lambda: 'active' in manager.stdout.readline())
+            wait_for(lambda: sum(path.stat().st_size for path in tmp_path.glob('bag/*')) > 20000)
+            assert Asker(client, 'controller').state == 'active'
+        wait_for((tmp_path / 'bag' / 'metadata.yaml').is_file)
+        for name in names:
+            assert Asker(client, name).state == 'unconfigured'
+    topics = {topic for topic, _, _ in messages(tmp_path / 'bag')}
+    assert {'/drive/pump_command', '/drive/motor', '/drive/speed_setpoint'} <= topics
+
+
+def test_the_manager_names_the_node_that_is_not_there():
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.manager', '--ros-args', '-p', 'nodes:=[plant]',
+         '-p', 'patience:=0.5'], env=environment(), timeout=PATIENCE, capture_output=True,
+        text=True)
+    assert done.returncode == 1 and 'plant: no such managed node' in done.stderr
+    assert 'Traceback' not in done.stderr
+
+
+@pytest.mark.parametrize('lockstep', ['true', 'false'])
+def test_two_drives_in_one_domain_do_not_hear_each_other(tmp_path, lockstep):
+    """Lockstep needs the global topics /clock and /diagnostics apart as well."""
+    names = ('recorder', 'load_profile', 'controller', 'plant')
+    with ExitStack() as stack:
+        plants = []
+        for rig, seed in (('east', 1), ('west', 2)):
+            apart = ('-r', f'__ns:=/{rig}', '-r', f'/clock:=/{rig}/clock',
+                     '-r', f'/diagnostics:=/{rig}/diagnostics',
+                     '-p', f"partners:=[{','.join(names)}]", '-p', f'lockstep:={lockstep}')
+            own = {'recorder': ('-p', f'output:={tmp_path / rig}'),
+                   'plant': ('-p', 'duration:=3.0', '-p', f'seed:={seed}')}
+            started = [stack.enter_context(node(name, *apart, *own.get(name, ())))
+                       for name in names]
+            plants.append(started[-1])
+        wait_for(lambda: all(process.poll() is not None for process in plants))
+    for rig in ('east', 'west'):
+        found = messages(tmp_path / rig)
+        assert all(topic.startswith(f'/{rig}/') for topic, _, _ in found)
+        stamps = [data[4:12] for topic, _, data in found if topic == f'/{rig}/motor']
+        assert len(stamps) == len(set(stamps)) == 300
+    assert [data for topic, _, data in messages(tmp_path / 'east') if topic.endswith('motor')] \
+        != [data for topic, _, data in messages(tmp_path / 'west') if topic.endswith('motor')]
+
+
+def test_gains_are_taken_together_or_not_at_all_and_qos_can_be_overridden(client):  # noqa: F811
+    from rclpy.parameter import Parameter
+    override = 'qos_overrides./drive/pump_command.publisher.depth'
+    with node('controller', '-p', f'{override}:=7'):
+        asked, answer = parameters_of(client, 'controller'), client[1]
+
+        def put(**values):
+            return answer(asked.set_parameters_atomically(
+                [Parameter(name, value=value) for name, value in values.items()])).result
+
+        def gains():
+            return [value.double_value for value in answer(
+                asked.get_parameters(['kp', 'ki'])).values]
+
+        assert put(kp=0.03, ki=0.5).successful and gains() == [0.03, 0.5]
+        for bad in ({'kp': 0.04, 'ki': -1.0}, {'kp': 0.04, 'ki': float('nan')},
+                    {'kp': 0.04, 'stop_time': 2.0}):
+            assert not put(**bad).successful and gains() == [0.03, 0.5]
+        assert answer(asked.get_parameters([override])).values[0].integer_value == 7
