@@ -32,7 +32,7 @@ def managed(name, *arguments):
 class Asker:
     """Asks a managed node for transitions and states."""
 
-    def __init__(self, client, name):
+    def __init__(self, client, name):  # noqa: F811
         from lifecycle_msgs.srv import ChangeState, GetState
         self.asker, self.answer, self.executor = client
         self.change = self.asker.create_client(ChangeState, f'/drive/{name}/change_state')

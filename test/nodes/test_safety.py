@@ -10,21 +10,25 @@ from .processes import node, PATIENCE, wait_for
 
 rclpy = pytest.importorskip('rclpy')
 STOP_TIME, EMERGENCY = 0.8, 0.4
+# A busy machine must not make faults of its own.
+TIMES = ('-p', f'stop_time:={STOP_TIME}', '-p', f'emergency_stop_time:={EMERGENCY}',
+         '-p', 'feedback_timeout:=1.0', '-p', 'setpoint_timeout:=1.0')
 
 
 class Machine:
     """What surrounds the controller: sensor, set point, operator, valve, diagnostics."""
 
-    def __init__(self):
+    def __init__(self, namespace='drive'):
         from diagnostic_msgs.msg import DiagnosticArray
         from geometry_msgs.msg import Vector3Stamped
         from rclpy.qos import DurabilityPolicy, QoSProfile
         from sensor_msgs.msg import JointState
         from std_msgs.msg import Bool
         from std_srvs.srv import SetBool, Trigger
+        self.namespace = namespace
         self.context = rclpy.Context()
         rclpy.init(context=self.context)
-        self.node = rclpy.create_node('machine', namespace='drive', context=self.context)
+        self.node = rclpy.create_node('machine', namespace=namespace, context=self.context)
         self.executor = rclpy.executors.SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.motor = self.node.create_publisher(JointState, 'motor', 100)
@@ -45,7 +49,7 @@ class Machine:
 
     def _told(self, message):
         for status in message.status:
-            if status.name.endswith('controller: safety'):
+            if status.name == f'/{self.namespace}/controller: safety':
                 self.told = {'level': status.level, 'message': status.message,
                              **{entry.key: entry.value for entry in status.values}}
 
@@ -109,8 +113,7 @@ def _header(now):
 @pytest.fixture(scope='module')
 def machine():
     """Return a machine around a controller that runs."""
-    with node('controller', '-p', f'stop_time:={STOP_TIME}',
-              '-p', f'emergency_stop_time:={EMERGENCY}'):
+    with node('controller', *TIMES):
         made = Machine()
         wait_for(made.motor.get_subscription_count)
         yield made
@@ -194,6 +197,7 @@ def test_the_service_stops(machine):
 def test_a_reset_is_refused_while_the_cause_is_there(machine):
     machine.run_up()
     goes_to_zero(machine, 'feedback_lost', reading=None)
+    machine.told = {'against_reset': ''}
     machine.until(lambda: 'no usable' in machine.told['against_reset'], reading=None)
     refused = machine.reset(reading=None)
     assert not refused.success and 'no usable speed reading' in refused.message
@@ -203,10 +207,9 @@ def test_a_reset_is_refused_while_the_cause_is_there(machine):
 
 def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_heard():
     from std_msgs.msg import Bool
-    machine = Machine()
+    machine, apart = Machine('other'), ('-r', '__ns:=/other')
     try:
-        with node('controller', '-p', f'stop_time:={STOP_TIME}',
-                  '-p', f'emergency_stop_time:={EMERGENCY}', '-p', 'mode:=open_loop'):
+        with node('controller', *apart, *TIMES, '-p', 'mode:=open_loop'):
             machine.until(lambda: machine.commands and machine.commands[-1][1] == 6.0,
                           wish=None, manual=6.0)
             goes_to_zero(machine, 'command_invalid', wish=None, manual=11.0)
@@ -215,7 +218,7 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
             machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
         machine.until(lambda: machine.commands[-1][1] == 0.0, wish=None, manual=6.0)
         machine.stop.publish(Bool(data=True))
-        with node('controller'):
+        with node('controller', *apart):
             machine.told = {}
             machine.until(lambda: machine.told.get('fault') == 'emergency_stop')
             assert machine.commands[-1][1] == 0.0
