@@ -60,7 +60,7 @@ def read_log(path: str | os.PathLike[str],
     elif not isinstance(channel_map, ChannelMap):
         channel_map = load_channel_map(channel_map)
     try:
-        if path.is_dir() or path.suffix in ('.mcap', '.db3') and path.stat().st_size \
+        if path.is_dir() or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size \
                 or is_mcap(path):
             return __getattr__('read_bag')(path, channel_map)
     except OSError as error:

@@ -21,6 +21,8 @@ MIN_ROWS = 10
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word
+_CLOCK_SET = 1.0        # s; messages overtake one another by less
+_APART = 5.0            # two signals differ by so many times what each changes by
 
 
 @dataclass(frozen=True)
@@ -90,12 +92,28 @@ def in_order(signal: Signal, notes: list[str]) -> Signal:
         stamps, values = stamps[order], values[order]
         first = np.concatenate(([True], np.diff(stamps) > 0))
         if turned:
-            notes.append(f'{signal.channel}: {turned} messages came out of order; sorted')
+            back = -np.diff(signal.stamps).min() / 1e9
+            asked = '; was the clock set back?' if back > _CLOCK_SET else ''
+            notes.append(f'{signal.channel}: {turned} messages came out of order (by up to '
+                         f'{back:.3g} s); sorted{asked}')
         if not first.all():
             notes.append(f'{signal.channel}: {np.count_nonzero(~first)} messages with a repeated '
                          'stamp; the first of each kept')
         stamps, values = stamps[first], values[first]
+    if CHANNELS[signal.channel].hold == 'linear' and _alternates(values):
+        notes.append(f'{signal.channel}: its messages alternate between two signals; are there '
+                     'two publishers on its topic?')
     return Signal(signal.channel, stamps, values)
+
+
+def _alternates(values: np.ndarray) -> bool:
+    """Tell whether every other value belongs to another signal: two sources on one topic."""
+    values = values[np.isfinite(values)]
+    if len(values) < 4 * MIN_ROWS:
+        return False
+    next_one = np.median(np.abs(values[1:] - values[:-1]))
+    next_but_one = np.median(np.abs(values[2:] - values[:-2]))
+    return bool(next_one > _APART * next_but_one and next_one > 0.0)
 
 
 def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = ()) -> Run:

@@ -12,12 +12,15 @@ A map is a YAML file (``config/channels_example.yaml``)::
       load_torque: {from: '/joint_states.effort[drill]', scale: -1}
       pump_command: {from: AI3, unit: V, scale: 2.0, offset: -0.05}
       oil_temperature: T_oil[degF]
+      case_drain_flow: {from: '/plc.data[7]', unit: L/min}
+      motor_torque: {from: '/diagnostics.status[drill: torque].values[shaft]', unit: N.m}
     time: {from: t, unit: ms}
     namespace: /rig1/drive
 
 * The keys of ``channels`` are our names; ``from`` is a column of a CSV file (with or without its
   unit in brackets), or a topic, a dot and the path of a field. An element of an array is
-  written ``[0]``, or ``[name]`` where the message has an array ``name``, as JointState has.
+  written ``[0]``, or ``[name]`` where the message has an array ``name``, as JointState has. A
+  number in a DiagnosticArray is ``status[NAME].values[KEY]``.
 * ``unit``: of the number as recorded, after scale and offset. It may be left out where the
   column's header or the message's definition (FluidPressure, Temperature, JointState) says it.
 * ``scale``, ``offset``: value = scale * recorded + offset, before the unit counts.

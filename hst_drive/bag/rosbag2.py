@@ -3,10 +3,11 @@
 """Finding what a rosbag2 folder holds: its metadata.yaml, its MCAP or sqlite3 files."""
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 import sqlite3
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from hst_drive.bag.definitions import find_definition
@@ -14,6 +15,7 @@ from hst_drive.bag.kinds import is_mcap
 from hst_drive.bag.mcap_bag import cut_error, is_finished, read_streams, Stream
 from hst_drive.errors import InputError
 import yaml
+import zstandard
 
 _TOP = 'rosbag2_bagfile_information'
 
@@ -33,14 +35,11 @@ def bag_files(path: Path, notes: list[str]) -> list[Path]:
     metadata = path / 'metadata.yaml'
     if metadata.is_file():
         return _listed_files(path, _read_metadata(metadata))
-    for pattern in ('*.mcap', '*.db3'):
+    for pattern in ('*.mcap', '*.db3', '*.zstd'):
         found = sorted(path.glob(pattern))
         if found:
             notes.append('metadata.yaml is missing; read the files in the folder')
             return found
-    packed = sorted(path.glob('*.zstd'))
-    if packed:
-        raise _packed_error(packed[0])
     raise InputError(f'{path}: this directory is no bag (neither metadata.yaml nor a .mcap file '
                      'in it); give a rosbag2 folder, an .mcap file or a CSV file')
 
@@ -57,13 +56,15 @@ def read_bag_streams(path: Path, wanted: Callable[[str], bool],
 
     """
     joined: dict[tuple[str, str], Stream] = {}
+    packed = _compressed_messages(path)
     for file in bag_files(path, notes):
-        if file.suffix == '.db3':
-            streams = _read_sqlite(file, wanted)
-        else:
-            if is_mcap(file) and not is_finished(file):
-                raise cut_error(file, path)
-            streams = read_streams(file, wanted)
+        with _unpacked(file) as plain:
+            try:
+                streams = _read_file(plain, wanted, path)
+            except InputError as error:
+                raise InputError(str(error).replace(str(plain), str(file))) from None
+        if packed:
+            _unpack_messages(streams, path)
         for stream in streams:
             known = joined.setdefault((stream.topic, stream.type), stream)
             if known is not stream:
@@ -71,6 +72,14 @@ def read_bag_streams(path: Path, wanted: Callable[[str], bool],
                 known.log_time += stream.log_time
                 known.publish_time += stream.publish_time
     return list(joined.values())
+
+
+def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> list[Stream]:
+    if file.suffix == '.db3':
+        return _read_sqlite(file, wanted)
+    if is_mcap(file) and not is_finished(file):
+        raise cut_error(file, path)
+    return read_streams(file, wanted)
 
 
 def _read_metadata(metadata: Path) -> dict[str, Any]:
@@ -89,17 +98,57 @@ def _listed_files(path: Path, information: dict[str, Any]) -> list[Path]:
     if not isinstance(names, list) or not names:
         raise InputError(f'{path}/metadata.yaml: lists no files')
     files = [path / str(name) for name in names]
-    for file in files:
-        if file.suffix == '.zstd':
-            raise _packed_error(file)
+    for place, file in enumerate(files):
+        if not file.is_file() and file.with_suffix('').is_file() and file.suffix == '.zstd':
+            files[place] = file = file.with_suffix('')     # unpacked by hand
         if not file.is_file():
             raise InputError(f'{path}: metadata.yaml names {file.name}, which is not there')
+        if not file.resolve().is_relative_to(path.resolve()):
+            raise InputError(f'{path}: metadata.yaml names {file}, which is outside of the bag')
     return files
 
 
-def _packed_error(file: Path) -> InputError:
-    return InputError(f'{file}: compressed as a whole; unpack it first: zstd -d {file} and remove '
-                      '.zstd from its name in metadata.yaml')
+@contextmanager
+def _unpacked(file: Path) -> Iterator[Path]:
+    """Give the file itself, or a copy of what it holds if it is compressed as a whole."""
+    if file.suffix != '.zstd':
+        yield file
+        return
+    with TemporaryDirectory(prefix='hst_drive_') as folder:
+        copy = Path(folder) / file.stem
+        try:
+            with open(file, 'rb') as packed, open(copy, 'wb') as plain:
+                zstandard.ZstdDecompressor().copy_stream(packed, plain)
+        except zstandard.ZstdError as error:
+            raise InputError(f'{file}: damaged: cannot be decompressed ({error})') from None
+        except OSError as error:
+            raise InputError(f'{file}: cannot be unpacked: {error.strerror}; set TMPDIR to a '
+                             'folder with room') from None
+        yield copy
+
+
+def _unpack_messages(streams: Iterable[Stream], path: Path) -> None:
+    """Unpack messages that are compressed one by one."""
+    unpack = zstandard.ZstdDecompressor().decompressobj
+    try:
+        for stream in streams:
+            stream.data = [unpack().decompress(data) for data in stream.data]
+    except zstandard.ZstdError as error:
+        raise InputError(f'{path}: damaged: a message cannot be decompressed ({error})') from None
+
+
+def _compressed_messages(path: Path) -> bool:
+    metadata = path / 'metadata.yaml'
+    if not metadata.is_file():
+        return False
+    information = _read_metadata(metadata)
+    if str(information.get('compression_mode') or '').lower() == 'none':
+        return False
+    form = information.get('compression_format') or 'zstd'
+    if form != 'zstd':
+        raise InputError(f'{path}: compressed with {form!r}, of which nothing is known; convert '
+                         'the bag: ros2 bag convert')
+    return str(information.get('compression_mode') or '').lower() == 'message'
 
 
 def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> list[Stream]:

@@ -12,9 +12,11 @@ from typing import NamedTuple
 from hst_drive.bag.align import align, Signal
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import ChannelMap, Entry
+from hst_drive.bag.diagnostic_values import known, parse_path, read_values
 from hst_drive.bag.mcap_bag import Stream
 from hst_drive.bag.rosbag2 import read_bag_streams
-from hst_drive.bag.topics import CHANNEL_FIELDS, STANDARD_UNITS, TOPICS, TRUTH
+from hst_drive.bag.topics import (CHANNEL_FIELDS, DIAGNOSTIC_ARRAY, STANDARD_UNITS, TOPICS,
+                                  TRUTH)
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import si_unit
@@ -79,9 +81,14 @@ def read_bag(path: Path, channel_map: ChannelMap) -> Run:
         signals.append([(pick, values[pick.path]) for pick in chosen
                         if not _left_empty(pick, values[pick.path])])
     stamps = _common_clock(stamped, notes)
-    return align([Signal(pick.entry.channel, at, pick.entry.to_si(
-        raw, pick.unit, pick.absolute)) for at, group in zip(stamps, signals)
-        for pick, raw in group], path.stem, str(path), notes)
+    return align([_signal(stream, pick, at, raw) for (stream, _), at, group in zip(
+        stamped, stamps, signals) for pick, raw in group], path.stem, str(path), notes)
+
+
+def _signal(stream: Stream, pick: Pick, stamps: np.ndarray, raw: np.ndarray) -> Signal:
+    if stream.type == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
+        stamps, raw = stamps[~np.isnan(raw)], raw[~np.isnan(raw)]
+    return Signal(pick.entry.channel, stamps, pick.entry.to_si(raw, pick.unit, pick.absolute))
 
 
 def _tail(topic: str) -> str:
@@ -136,7 +143,10 @@ def _mapped_pick(entry: Entry, streams: Sequence[Stream], source: str) -> tuple[
     if not path:
         raise InputError(f'{where}: add the field, e.g. {topic}.data or {topic}.velocity[0]')
     try:
-        Codec(stream.type, stream.definition).check_path(path)
+        if stream.type == DIAGNOSTIC_ARRAY:
+            parse_path(path)
+        else:
+            Codec(stream.type, stream.definition).check_path(path)
     except InputError as error:
         raise InputError(f'{where}: {error}') from None
     unit, absolute = STANDARD_UNITS.get((stream.type, path.partition('[')[0]), (None, False))
@@ -150,6 +160,9 @@ def _mapped_pick(entry: Entry, streams: Sequence[Stream], source: str) -> tuple[
 
 def _refuse_beyond(pick: Pick, codec: Codec, stream: Stream, source: str) -> None:
     """Raise InputError if a map asks for an element that the messages do not have."""
+    if stream.type == DIAGNOSTIC_ARRAY:
+        raise InputError(f'{source}: channels.{pick.entry.channel}: {stream.topic} has no number '
+                         f'{pick.path}; it has {known(stream.data)}')
     arrays = codec.arrays(stream.data[0])
     for step in re.finditer(r'\[([^\[\]]+)\]', pick.path):
         name, element = pick.path[:step.start()], step[1]
@@ -175,7 +188,11 @@ def _read(stream: Stream, codec: Codec, paths: list[str],
     """Return stamps (ns; None if the messages carry none) and numbers of a topic."""
     stamped = codec.has_stamp
     try:
-        values = codec.extract(stream.data, [*paths, _SEC, _NANOSEC] if stamped else paths)
+        if stream.type == DIAGNOSTIC_ARRAY:
+            values = {**read_values(stream.data, paths),
+                      **codec.extract(stream.data, [_SEC, _NANOSEC])}
+        else:
+            values = codec.extract(stream.data, [*paths, _SEC, _NANOSEC] if stamped else paths)
     except MalformedError as error:
         raise InputError(f'{source}: {stream.topic}: a message does not fit its definition '
                          f'{stream.type} ({error})') from None

@@ -17,6 +17,27 @@ STANDARD_TYPES: dict[str, tuple[str, str]] = {
     'std_msgs/msg/Bool': (
         'bool data\n',
         'RIHS01_feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9'),
+    'std_msgs/msg/Float32': (
+        'float32 data\n',
+        'RIHS01_7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2'),
+    'std_msgs/msg/Float64': (
+        'float64 data\n',
+        'RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a'),
+    'std_msgs/msg/Int32': (
+        'int32 data\n',
+        'RIHS01_b6578ded3c58c626cfe8d1a6fb6e04f706f97e9f03d2727c9ff4e74b1cef0deb'),
+    'std_msgs/msg/MultiArrayDimension': (
+        'string label\nuint32 size\nuint32 stride\n',
+        'RIHS01_5e773a60a4c7fc8a54985f307c7837aa2994252a126c301957a24e31282c9cbe'),
+    'std_msgs/msg/MultiArrayLayout': (
+        'MultiArrayDimension[] dim\nuint32 data_offset\n',
+        'RIHS01_4c66e6f78e740ac103a94cf63259f968e48c617e7699e829b63c21a5cb50dac6'),
+    'std_msgs/msg/Float32MultiArray': (
+        'MultiArrayLayout layout\nfloat32[] data\n',
+        'RIHS01_0599f6f85b4bfca379873a0b4375a0aca022156bd2d7021275d116ed1fa8bfe0'),
+    'std_msgs/msg/Float64MultiArray': (
+        'MultiArrayLayout layout\nfloat64[] data\n',
+        'RIHS01_1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f'),
     'rosgraph_msgs/msg/Clock': (
         'builtin_interfaces/Time clock\n',
         'RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564'),

@@ -200,7 +200,7 @@ def test_a_topic_of_another_type_is_left_out_with_a_note(tmp_path):
     ({'metadata.yaml': '{'}, 'cannot be read as YAML'),
     ({'metadata.yaml': 'rosbag2_bagfile_information: {relative_file_paths: [x.mcap]}'},
      'names x.mcap, which is not there'),
-    ({'x.mcap.zstd': ''}, 'compressed as a whole'),
+    ({'x.mcap.zstd': 'junk'}, 'x.mcap.zstd: damaged: cannot be decompressed'),
     ({'x.mcap': 'hello'}, 'not an MCAP file'),
     ({'x.db3': 'hello' * 99}, 'no sqlite3 bag'),
 ])
