@@ -3,7 +3,10 @@
 """The result of a study as plain data: what ``losses --json`` writes, SI."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hst_drive.losses.accuracy import Cell, coverage, RESISTANCE
+from hst_drive.losses.efficiency import ideal_speed, performance
 from hst_drive.losses.models import catalogue, judge, Judged, ladder
 from hst_drive.losses.paths import paths_of
 from hst_drive.losses.resistances import Prediction, Resistances
@@ -41,12 +44,11 @@ def determined(bench: Bench) -> dict:
 
 def rows(bench: Bench, found: Resistances, study: Study | None) -> list[dict]:
     """Return measured and predicted values of each row."""
-    ideal = bench.pressure * bench.displacement
-    actual = {'ideal_speed': bench.flow / bench.displacement,
-              'slip': 1.0 - bench.displacement * bench.speed / bench.flow,
-              'torque_loss': ideal - bench.load_torque,
-              'torque_loss_share': 1.0 - bench.load_torque / ideal,
-              'efficiency': bench.load_torque * bench.speed / (bench.pressure * bench.flow)}
+    shown = performance(bench.pressure, bench.flow, bench.speed, bench.load_torque,
+                        bench.displacement)
+    actual = {'ideal_speed': ideal_speed(bench.flow, bench.displacement), 'slip': shown.slip,
+              'torque_loss': shown.torque_loss, 'torque_loss_share': shown.torque_loss_ratio,
+              'efficiency': shown.overall}
     columns = {'line': bench.lines, 'motor_displacement': bench.displacement,
                'oil_temperature': bench.temperature, 'load_torque': bench.load_torque,
                'motor_speed': bench.speed, 'supply_pressure': bench.pressure,
@@ -104,8 +106,6 @@ def models(study: Study) -> tuple[list[dict], dict[str, list[dict]]]:
     """Return the models of the field, ranked, and the ladder of ordinary terms by path."""
     whole = study.searches.get('total')
     if whole is None:
-        from dataclasses import replace
-
         leakage = paths_of(replace(study.bench, drain=None), study.scales)[0]
     else:
         leakage = whole.path

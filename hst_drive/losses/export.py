@@ -47,7 +47,7 @@ def motor_section(study: Study, size: float, viscosity: float, top_pressure: flo
 
 def ends_of(study: Study, size: float) -> tuple[float, float]:
     """Return the pressure (Pa) and speed (rad/s) to which a motor's tables should go."""
-    own = np.abs(study.bench.displacement / size - 1.0) < 0.004
+    own = study.bench.of_motor(size)
     own = own if own.any() else np.ones(len(study.bench), dtype=bool)
     return (1.25 * float(study.bench.pressure[own].max()),
             1.2 * float(study.bench.speed[own].max()))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from hst_drive.losses.fit import Parameter
-from hst_drive.losses.table import Bench
+from hst_drive.losses.table import Bench, VARIABLES
 import numpy as np
 
 UNIT_SCATTER = 0.10     # a motor's losses about the law of sizes, one sigma, relative
@@ -69,7 +69,7 @@ def points_of(scales: Scales, pressure, speed, viscosity, displacement) -> Point
         for value in (pressure, speed, viscosity, displacement)))
     sizes = np.array(scales.sizes)
     near = np.abs(displacement[:, None] / sizes - 1.0)
-    unit = (near < 0.004) & (near == near.min(axis=1, keepdims=True))
+    unit = (near < VARIABLES['size'][2]) & (near == near.min(axis=1, keepdims=True))
     return Points(pressure / scales.pressure, speed / scales.speed,
                   viscosity / scales.viscosity, displacement / scales.displacement,
                   unit.astype(float))
@@ -80,7 +80,8 @@ class Term:
     """
     A physical term ``d^exponent * shape(coefficient, points)``, coefficient not negative.
 
-    ``within`` multiplies the laminar leakage by ``1 + shape`` instead.
+    ``within`` multiplies the laminar leakage by ``1 + shape`` instead; ``needs`` is the variable
+    of which a table must have three levels for the term to show by its form.
     """
 
     id: str
@@ -90,11 +91,12 @@ class Term:
     exponent: float = 1.0
     within: bool = False
     signed: bool = False
+    needs: str = ''
 
     def parameters(self, several: bool) -> list[Parameter]:
         """Return coefficient and exponent of the size."""
         low = -20.0 if self.signed else 0.0
-        own = [Parameter(f'{self.id}', 0.0, low, 20.0)]
+        own = [Parameter(self.id, 0.0, low, 20.0)]
         if self.within:
             return own
         return own + [Parameter(f'{self.id}.size', self.exponent, self.exponent - 2.0,

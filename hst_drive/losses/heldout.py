@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from hst_drive.losses.fit import Fit, predict_sd
-from hst_drive.losses.forms import Form, UNIT_SCATTER
+from hst_drive.losses.forms import Form
 from hst_drive.losses.paths import fit_path, Path
 import numpy as np
 
@@ -78,6 +78,3 @@ def widening(path: Path, found: HeldOut, weights: np.ndarray, share: float = 0.9
     each = [np.sort(entry)[min(int(np.ceil(share * (len(entry) + 1))) - 1, len(entry) - 1)]
             for entry in ratios if len(entry)]
     return float(max([1.0, *each]))
-
-
-__all__ = ['held_out', 'HeldOut', 'UNIT_SCATTER', 'widening']

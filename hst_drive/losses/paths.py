@@ -47,7 +47,7 @@ class Path:
     groups: dict[str, np.ndarray]
 
     def forms(self) -> list[Form]:
-        """Return the paper's trends as laws, in two ways of writing."""
+        """Return the paper's trends as laws, each written in three ways."""
         units = self.x.unit.shape[1]
         return (torque_forms(units) if self.name == 'torque'
                 else leakage_forms(units, float(self.x.p.max())))
@@ -92,7 +92,7 @@ def _noise(path: Path, level: np.ndarray) -> np.ndarray:
     floor = 2e-4 * float(np.median(np.abs(level))) + 1e-12
     size = float(np.median(np.abs(path.y))) + floor
     start = 0.02 * (np.abs(path.y) + 0.3 * size) + floor
-    # Both forms: what the first leaves may be too crooked for a quadratic.
+    # All forms: what one leaves may be too crooked for a quadratic.
     sd = start
     for _ in range(2):
         fits = [solve(form, form.parameters(), path.x, path.y, sd) for form in path.forms()]

@@ -93,18 +93,6 @@ def predict(pressure, flow, load_torque, displacement, external, inlet, internal
                       torque * speed / (pressure * flow))
 
 
-def operate(speed, load_torque, displacement, external, inlet, internal):
-    """
-    Return the pressure (Pa) and flow (m^3/s) that hold a speed under a load.
-
-    Eqs. (1) and (2) solved for ``P_p`` and ``Q_s``.
-    """
-    load_pressure = load_torque / displacement
-    inlet_flow = displacement * speed + load_pressure / internal
-    pressure = load_pressure + inlet_flow * inlet
-    return pressure, inlet_flow + pressure / external
-
-
 def _ratio(over, under):
     with np.errstate(divide='ignore', invalid='ignore'):
         return np.where(under > 0.0, over / under, np.nan)

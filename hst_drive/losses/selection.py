@@ -87,7 +87,7 @@ def select(study: Study, duty: list[Duty], viscosity: float) -> list[Candidate]:
 
 def _beyond(study: Study, size: float, pressure: np.ndarray, speed: np.ndarray) -> np.ndarray:
     bench = study.bench
-    own = np.abs(bench.displacement / size - 1.0) < 0.004
+    own = bench.of_motor(size)
     margin = 1.02
     return ((pressure > margin * bench.pressure[own].max())
             | (pressure < bench.pressure[own].min() / margin)
@@ -98,7 +98,7 @@ def _beyond(study: Study, size: float, pressure: np.ndarray, speed: np.ndarray) 
 def grid(study: Study, size: float, viscosity: float, count: int = _GRID) -> dict:
     """Return a motor's performance over its range of load torque (rows) and speed (columns)."""
     bench = study.bench
-    own = np.abs(bench.displacement / size - 1.0) < 0.004
+    own = bench.of_motor(size)
     torque = np.linspace(max(bench.load_torque[own].min(), 1e-3 * bench.load_torque[own].max()),
                          bench.load_torque[own].max(), count)
     speed = np.linspace(bench.speed[own].min(), bench.speed[own].max(), count)

@@ -11,7 +11,7 @@ from hst_drive.losses import resistances as eq
 from hst_drive.losses.fit import predict_sd
 from hst_drive.losses.forms import points_of, Scales, scales_of, UNIT_SCATTER
 from hst_drive.losses.heldout import held_out, HeldOut, widening
-from hst_drive.losses.paths import Path, paths_of
+from hst_drive.losses.paths import paths_of
 from hst_drive.losses.table import Bench
 from hst_drive.losses.terms import Search, search
 from hst_drive.losses.trends import contradiction, Trend, trends
@@ -215,8 +215,3 @@ def study(bench: Bench) -> Study:
                          f'at least {LEAST_ROWS}; measure more operating points')
     scales = scales_of(bench)
     return Study(bench, scales, {path.name: search(path) for path in paths_of(bench, scales)})
-
-
-def paths(found: Study) -> dict[str, Path]:
-    """Return the paths of a study by name."""
-    return {name: entry.path for name, entry in found.searches.items()}

@@ -73,6 +73,10 @@ class Bench:
         return replace(self, **{name: getattr(self, name)[keep] for name in names
                                 if getattr(self, name) is not None})
 
+    def of_motor(self, size: float) -> np.ndarray:
+        """Return which rows are of the motor with this displacement (m^3/rad)."""
+        return np.abs(self.displacement / size - 1.0) < VARIABLES['size'][2]
+
     def levels(self, variable: str) -> tuple[np.ndarray, np.ndarray]:
         """
         Return the level of each row, and the mean value of each level (SI).

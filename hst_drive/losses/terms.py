@@ -30,11 +30,12 @@ RIVAL_Z = 2.5
 
 LEAKAGE = (
     Term('elastic_leakage', 'gaps that open with pressure, leakage with their height cubed',
-         lambda c, x: (1.0 + c * x.p)**3 - 1.0, 'laminar x ((1 + s P)^3 - 1)', within=True),
+         lambda c, x: (1.0 + c * x.p)**3 - 1.0, 'laminar x ((1 + s P)^3 - 1)', within=True,
+         needs='load'),
     Term('elastic_leakage', 'gaps that open with pressure, whatever oil and speed',
-         lambda c, x: c * x.p**3, 'c P^3', exponent=0.0),
+         lambda c, x: c * x.p**3, 'c P^3', exponent=0.0, needs='load'),
     Term('orifice_leakage', 'turbulent leakage through an orifice',
-         lambda c, x: c * np.sqrt(x.p), 'c P^0.5', exponent=2.0 / 3.0),
+         lambda c, x: c * np.sqrt(x.p), 'c P^0.5', exponent=2.0 / 3.0, needs='load'),
     Term('compressibility_flow', 'flow lost by decompression of the displaced volume',
          lambda c, x: c * x.p * x.w, 'c D w P'),
     Term('displacement_error', 'displacement larger or smaller than stated',
@@ -44,28 +45,33 @@ LEAKAGE = (
 )
 TORQUE = (
     Term('hydrodynamic_drag', 'churning: drag in proportion to speed squared',
-         lambda c, x: c * x.w**2, 'c w^2', exponent=5.0 / 3.0),
+         lambda c, x: c * x.w**2, 'c w^2', exponent=5.0 / 3.0, needs='speed'),
     Term('bearing_friction', 'load-dependent bearing friction, growing with P^1.5',
-         lambda c, x: c * x.p**1.5, 'c P^1.5'),
+         lambda c, x: c * x.p**1.5, 'c P^1.5', needs='load'),
     Term('bearing_friction', 'load-dependent bearing friction, growing with P^2',
-         lambda c, x: c * x.p**2, 'c P^2'),
+         lambda c, x: c * x.p**2, 'c P^2', needs='load'),
     Term('load_speed_friction', 'friction in proportion to load and speed',
-         lambda c, x: c * x.p * x.w, 'c P w'),
+         lambda c, x: c * x.p * x.w, 'c P w', needs='speed'),
     Term('mixed_friction', 'mixed friction at low speed (Stribeck)',
-         lambda c, x: c * np.exp(-3.0 * x.w), 'c exp(-3 w/w0)'),
+         lambda c, x: c * np.exp(-3.0 * x.w), 'c exp(-3 w/w0)', needs='speed'),
     Term('mixed_friction', 'mixed friction at low speed, with the load',
-         lambda c, x: c * x.p * np.exp(-3.0 * x.w), 'c P exp(-3 w/w0)'),
+         lambda c, x: c * x.p * np.exp(-3.0 * x.w), 'c P exp(-3 w/w0)', needs='speed'),
 )
 CATALOGUE = {'external': LEAKAGE, 'internal': LEAKAGE, 'total': LEAKAGE, 'torque': TORQUE}
 
 
 class Trial(NamedTuple):
-    """A form with a term: its fit, held-out errors, and what the term is worth."""
+    """
+    A form with a term: its fit, held-out errors, and what the term is worth.
+
+    ``place`` is that of the term's coefficient among the parameters.
+    """
 
     form: Form
     fit: Fit
     held: HeldOut
     term: Term
+    place: int
     coefficient: float
     sd: float
     error: float
@@ -161,22 +167,20 @@ def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
         if term in form.terms:
             continue
         wider = form.with_terms(term)
-        names = [parameter.name for parameter in wider.parameters()]
         place = len(form.own) + sum(len(old.parameters(form.several)) for old in form.terms)
         own = len(term.parameters(form.several))
         start = np.insert(fit.values, [place] * own,
                           [entry.start for entry in term.parameters(form.several)])
         start[place] = 1e-3
         trial = fit_path(path, wider, start)
-        assert names[place] == term.id
         coefficient, variance = trial.values[place], trial.covariance[place, place]
         if coefficient == 0.0 or abs(coefficient) < LEAST_Z * np.sqrt(variance):
-            out.append(Trial(wider, trial, held, term, coefficient, float(np.sqrt(variance)),
-                             before, before))
+            out.append(Trial(wider, trial, held, term, place, coefficient,
+                             float(np.sqrt(variance)), before, before))
             continue
         new = held_out(path, wider, trial, kinds)
-        out.append(Trial(wider, trial, new, term, float(coefficient), float(np.sqrt(variance)),
-                         new.rms(trial.weights, kinds), before))
+        out.append(Trial(wider, trial, new, term, place, float(coefficient),
+                         float(np.sqrt(variance)), new.rms(trial.weights, kinds), before))
     return out
 
 
@@ -235,10 +239,7 @@ def _share(path: Path, trial: Trial) -> tuple[float, float, float]:
 
 def term_share(path: Path, trial: Trial, coefficient: float) -> float:
     """Return the share of the loss over all rows that a term with this coefficient makes."""
-    place = next(index for index, parameter in enumerate(trial.form.parameters())
-                 if parameter.name == trial.term.id and trial.fit.values[index]
-                 == trial.coefficient)
     with_it, without = trial.fit.values.copy(), trial.fit.values.copy()
-    with_it[place], without[place] = coefficient, 0.0
+    with_it[trial.place], without[trial.place] = coefficient, 0.0
     bare = trial.form(without, path.x)
     return float(np.sum(trial.form(with_it, path.x) - bare) / np.sum(np.abs(path.y)))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.losses.efficiency import performance
 from hst_drive.losses.resistances import Resistances
 from hst_drive.losses.table import Bench, VARIABLES
 import numpy as np
@@ -54,11 +55,11 @@ class Trend(NamedTuple):
 
 def quantities_of(bench: Bench, found: Resistances) -> dict[str, np.ndarray]:
     """Return the quantities of the stated trends for each row; NaN where not determined."""
-    ideal = bench.pressure * bench.displacement
+    shown = performance(bench.pressure, bench.flow, bench.speed, bench.load_torque,
+                        bench.displacement)
     return {'R_el': found.external, 'R_1': found.inlet, 'R_2': found.internal,
-            'slip': 1.0 - bench.displacement * bench.speed / bench.flow,
-            'torque_loss': 1.0 - bench.load_torque / ideal,
-            'efficiency': bench.load_torque * bench.speed / (bench.pressure * bench.flow)}
+            'slip': shown.slip, 'torque_loss': shown.torque_loss_ratio,
+            'efficiency': shown.overall}
 
 
 def trends(bench: Bench, found: Resistances, noise: dict[str, np.ndarray],

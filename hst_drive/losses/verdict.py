@@ -10,7 +10,7 @@ from hst_drive.losses.forms import Form
 from hst_drive.losses.ordinary import Ordinary, ordinary
 from hst_drive.losses.study import Study
 from hst_drive.losses.terms import (
-    least_error, LEAST_FALL, LEAST_SHARE, LEAST_Z, Step, term_share)
+    LEAKAGE, least_error, LEAST_FALL, LEAST_SHARE, LEAST_Z, Step, term_share, TORQUE)
 import numpy as np
 
 PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the ports',
@@ -19,8 +19,6 @@ PLACE = {'external': 'leakage to the case', 'internal': 'leakage between the por
 LACKING = 1.35
 LEAST_ROWS = 20
 _FITS = 1.1         # forms whose error is within this of the best one's
-_NEEDS = {'speed': ('hydrodynamic_drag', 'mixed_friction', 'load_speed_friction'),
-          'load': ('bearing_friction', 'elastic_leakage', 'orifice_leakage')}
 
 
 class Missing(NamedTuple):
@@ -113,11 +111,11 @@ def verdict(study: Study) -> Verdict:
 def not_observable(study: Study) -> dict[str, str]:
     """Return the terms that a table cannot show by form, and what it lacks."""
     out = {}
-    for variable, terms in _NEEDS.items():
+    for variable in ('speed', 'load'):
         levels = len(study.bench.levels(variable)[1])
         if levels < 3:
-            out |= {term: f'{levels} level{"s" if levels > 1 else ""} of {variable}, three needed'
-                    for term in terms}
+            out |= {term.id: f'{levels} level{"s" if levels > 1 else ""} of {variable}, three '
+                    'needed' for term in (*TORQUE, *LEAKAGE) if term.needs == variable}
     return out
 
 
@@ -127,11 +125,8 @@ def _why(term: Missing) -> str:
 
 def _missing(study: Study, name: str, step: Step, before: float) -> Missing:
     trial = step.trial
-    place = next(index for index, parameter in enumerate(trial.form.parameters())
-                 if parameter.name == trial.term.id
-                 and trial.fit.values[index] == trial.coefficient)
     return Missing(trial.term.id, trial.term.title, name, trial.term.text,
-                   *_size(study, name, trial.form, trial.fit, place, trial.sd),
+                   *_size(study, name, trial.form, trial.fit, trial.place, trial.sd),
                    step.share, step.share_low, step.share_high, before, trial.error, step.rivals,
                    'a form of its own')
 

@@ -98,7 +98,7 @@ def _map_page(study: Study, pyplot, size: float):
     figure, axes = pyplot.subplots(len(degrees), 3, figsize=(12.5, 0.7 + 3.2 * len(degrees)),
                                    squeeze=False, layout='constrained')
     for j, degree in enumerate(degrees):
-        rows = (warmth == j) & (np.abs(bench.displacement / size - 1.0) < 0.004)
+        rows = (warmth == j) & bench.of_motor(size)
         if not rows.any():
             for axis in axes[j]:
                 axis.set_axis_off()
