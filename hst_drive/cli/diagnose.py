@@ -152,9 +152,11 @@ def _smallest(result: Diagnosis) -> str:
 
 def as_json(result: Diagnosis) -> dict:
     """Return the diagnosis in the form of schema hst_drive/diagnosis/1."""
+    from hst_drive.diagnose.result import SCHEMA
+
     unknown = result.unknown
     return {
-        'schema': 'hst_drive/diagnosis/1', 'verdict': result.verdict,
+        'schema': SCHEMA, 'verdict': result.verdict,
         'sentence': result.sentence, 'rig': result.rig,
         'rig_digest': result.rig_digest, 'logs': result.logs,
         'effects': [{'id': entry.id,

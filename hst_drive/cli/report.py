@@ -155,7 +155,7 @@ def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dic
 
 
 def _check(found: object, source: str) -> None:
-    from hst_drive.diagnose.adopt import SCHEMA
+    from hst_drive.diagnose.result import SCHEMA
 
     lacking = [key for key in ('verdict', 'sentence', 'effects', 'ladder', 'calibration')
                if not isinstance(found, dict) or key not in found]

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from copy import deepcopy
 
+from hst_drive.diagnose.result import require_schema
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
 from hst_drive.rig.identity import digest
 from hst_drive.rig.schema import TOLERANCES
-
-SCHEMA = 'hst_drive/diagnosis/1'
 
 
 def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
@@ -37,10 +36,7 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         already.
 
     """
-    if not isinstance(diagnosis, dict) or diagnosis.get('schema') != SCHEMA:
-        found = diagnosis.get('schema') if isinstance(diagnosis, dict) else None
-        raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "
-                         "file that 'hst-drive diagnose --json' wrote")
+    require_schema(diagnosis, source)
     effects = diagnosis.get('effects')
     if not isinstance(effects, list) or not all(isinstance(entry, dict) for entry in effects):
         raise InputError(f"{source}: key 'effects' is {type(effects).__name__}, expected a list "

@@ -134,8 +134,7 @@ class Campaign:
 
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter of an effect is fitted rather than chosen."""
-        parameters = catalogue(everything=True)[name].parameters
-        return not next(entry for entry in parameters if entry.name == key).fixed
+        return not catalogue(everything=True)[name].parameter(key).fixed
 
     def scatter(self, name: str) -> float:
         """

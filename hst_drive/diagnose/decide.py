@@ -89,8 +89,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
 
 
 def _unit(effect: str, key: str) -> str:
-    parameters = catalogue(everything=True)[effect].parameters
-    return next(entry.unit for entry in parameters if entry.name == key)
+    return catalogue(everything=True)[effect].parameter(key).unit
 
 
 def _excess(ratios: dict[str, float]) -> float:
@@ -154,8 +153,7 @@ def _beaten(search: Search, best: Candidate, rival: Candidate, without: Fit,
 
     ``without`` is the best explanation with the effect in question taken out: a difference that
     another formula of that effect could make, a share ``uncertain`` of what it does, does not
-    count. Rivals have about as many
-    parameters, so that what was fitted may judge between them, too.
+    count. Rivals have about as many parameters, so that what was fitted may judge, too.
     """
     for held_out in (True, False):
         found = search.gain(rival, best, held_out)
@@ -176,8 +174,9 @@ def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     singles = sorted((entry for entry in search.candidates
                       if entry not in best.names), key=lambda entry: search.single(entry).score)
     if others:
-        residual = search.likeness(name)
-        singles.sort(key=lambda entry: -residual(entry))
+        # Beside others the best alone may be what explains those: the most alike come first.
+        likeness = search.likeness(name)
+        singles.sort(key=lambda entry: -likeness(entry))
     alike = [entry for entry in singles if entry in catalogue()[name].alike]
     tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals')

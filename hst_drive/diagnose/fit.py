@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.formula import FORMULAS
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -97,9 +97,8 @@ class Unknowns:
         return Model(effects, factors)
 
 
-def _parameter(effect: str, key: str):
-    parameters = catalogue(everything=True)[effect].parameters
-    return next(entry for entry in parameters if entry.name == key)
+def _parameter(effect: str, key: str) -> Parameter:
+    return catalogue(everything=True)[effect].parameter(key)
 
 
 def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,

@@ -6,6 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from hst_drive.errors import InputError
+
+SCHEMA = 'hst_drive/diagnosis/1'
+
 
 class Value(NamedTuple):
     """A fitted parameter with its 95 % interval, SI."""
@@ -150,3 +154,26 @@ class Diagnosis:
     rig: str = ''
     rig_digest: str = ''
     logs: tuple[str, ...] = ()
+
+
+def require_schema(content: object, source: str) -> None:
+    """
+    Refuse what is not the JSON of a diagnosis.
+
+    Parameters
+    ----------
+    content : object
+        What was read.
+    source : str
+        Its file, for messages.
+
+    Raises
+    ------
+    InputError
+        If the schema is another one.
+
+    """
+    found = content.get('schema') if isinstance(content, dict) else None
+    if found != SCHEMA:
+        raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "
+                         "file that 'hst-drive diagnose --json' wrote")

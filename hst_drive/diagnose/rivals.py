@@ -7,10 +7,10 @@ from difflib import get_close_matches
 import math
 from typing import Iterable, NamedTuple, Sequence
 
-from hst_drive.diagnose.adopt import SCHEMA
 from hst_drive.diagnose.campaign import Campaign, Model, neutral, typical
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.rehearse import rehearse
+from hst_drive.diagnose.result import require_schema
 from hst_drive.diagnose.separation import (
     CLEAR, driver, recorded, Rehearsal, SHARE, within_limits)
 from hst_drive.diagnose.trials import plain_drilling, scenario
@@ -93,10 +93,7 @@ def of_diagnosis(diagnosis: dict, source: str,
         If this is no diagnosis, or an effect is not known.
 
     """
-    if not isinstance(diagnosis, dict) or diagnosis.get('schema') != SCHEMA:
-        found = diagnosis.get('schema') if isinstance(diagnosis, dict) else None
-        raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "
-                         "file that 'hst-drive diagnose --json' wrote")
+    require_schema(diagnosis, source)
     try:
         channels = tuple(diagnosis['errors']['before'])
         factors = {entry['quantity']: math.log(entry['factor'])

@@ -3,7 +3,8 @@
 """
 The search for what is missing: every candidate is fitted, the best are combined.
 
-Forward with a small beam, then backward and with swaps, always judged on held-out data.
+Forward with a small beam, then backward, judged on held-out data. What could stand in the place
+of an effect that was found is tried afterwards (``decide``) and told as its rival.
 """
 from __future__ import annotations
 
@@ -112,9 +113,9 @@ class Search:
 
     def _promise(self, model: Model) -> float:
         errors = self.campaign.errors(model, to_fit=True)
-        return self.project(self.campaign.training(errors))
+        return self._project(self.campaign.training(errors))
 
-    def project(self, residual: np.ndarray) -> float:
+    def _project(self, residual: np.ndarray) -> float:
         """Return the squared error left once the unit's factors are free to help (linearised)."""
         normal = self.factors.T @ self.factors + np.eye(self.factors.shape[1])
         side = self.factors.T @ residual

@@ -56,7 +56,7 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     if any(name not in STATIC for term in terms for name in term['variables']):
         static = regress(data, STATIC.__contains__)[0]
     carried = _carry(campaign, model, place.formula, static, 1.0) if place.formula else None
-    if carried and place.name == 'torque of the hydromotor' and not isinstance(
+    if carried and place.formula == 'formula_torque' and not isinstance(
             campaign, PartCampaign) and only_read(campaign, model, place.moves):
         per_torque = -place.moves[place.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
@@ -65,7 +65,7 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
             carried = reading
             place, terms = _reading(place, terms, per_torque)
     enters = place.enters
-    if place.name == 'oil delivered by the pump' and _by_command(data, depends, terms):
+    if place.formula == 'formula_pump_flow' and _by_command(data, depends, terms):
         enters = 'pump_actuator'
     return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
                    explained, _worth(campaign, model, carried))

@@ -200,6 +200,10 @@ class Effect:
         """All slots that the effect enters, each with its function."""
         return ((self.slot, self.function), *self.also)
 
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter of this name, which there must be."""
+        return next(entry for entry in self.parameters if entry.name == name)
+
 
 def arguments(function: Callable[..., Any]) -> tuple[str, ...]:
     """Return the names of a function's arguments, in order."""

@@ -29,8 +29,8 @@ EFFECT = Effect(
     telltale='Flow is missing in proportion to the root of pressure: most of it is gone at low '
              'pressure already.',
     source='Orifice equation: H. E. Merritt, Hydraulic Control Systems, Wiley 1967, ch. 3; '
-           'turbulent slip of pumps: W. M. J. Schlosser, Ein mathematisches Modell fuer '
-           'Verdraengerpumpen und -motoren, Hydraulic Power Transmission, 1961.',
+           'turbulent slip of pumps: W. M. J. Schloesser, Ein mathematisches Modell fuer '
+           'Verdraengerpumpen und -motoren, Oelhydraulik und Pneumatik 5, 1961.',
     shows_in=('motor_speed', 'motor_inlet_flow'),
     searched='parts',
 )

@@ -106,5 +106,5 @@ def test_formula_is_adopted_on_request_only(tmp_path, capsys):
     assert Drive(adopted).effects['formula_load']['coefficient_1'] == 9.0
     content['unknown']['formula'] = None
     path.write_text(json.dumps(content))
-    assert cli.main(['adopt', str(path), '-o', str(rig), '--formula']) == 2
+    assert cli.main(['adopt', str(path), '-o', str(rig), '--formula', '--force']) == 2
     assert 'leave --formula out' in capsys.readouterr().err
