@@ -55,6 +55,7 @@ setup(
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.5'],
     extras_require={
+        'cluster': ['distributed>=2024.1'],
         'fast': ['numba>=0.59'],
         'plot': ['matplotlib>=3.6'],
         'test': ['hypothesis', 'pint', 'playwright', 'pytest', 'rosbags'],

@@ -22,8 +22,8 @@ MAY_IMPORT = {
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
     'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'diagnose': ABOVE,
     'nodes': PURE | {'bag'},
-    'report': ABOVE, 'workbench': ABOVE | {'report'},
-    'cli': ABOVE | {'nodes', 'report', 'workbench'}, '__main__': {'cli'},
+    'report': ABOVE, 'fleet': ABOVE | {'report'}, 'workbench': ABOVE | {'report'},
+    'cli': ABOVE | {'fleet', 'nodes', 'report', 'workbench'}, '__main__': {'cli'},
 }
 
 # Foreign package -> the only parts that may import it.
@@ -35,6 +35,7 @@ ONLY_IN = {
     'mcap': {'bag'}, 'lz4': {'bag'}, 'zstandard': {'bag'}, 'sqlite3': {'bag'},
     'yaml': {'rig', 'bag', 'load', 'nodes', 'cli', 'diagnose', 'report'}, 'numba': {'model'},
     'matplotlib': {'cli', 'report'}, 'plotly': {'report', 'workbench'}, 'dash': {'workbench'},
+    'distributed': {'fleet'},
 }
 SILENT = ['units', 'errors', 'resources', 'rig', 'effects', 'model', 'control', 'load', 'losses',
           'measure', 'bag', 'diagnose']

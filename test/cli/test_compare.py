@@ -286,7 +286,7 @@ def test_a_log_in_sections(tmp_path, capsys):
         capsys.readouterr().out)
     cut = json.loads(target.read_text())['by_log'][0]['sections']
     assert (cut['count'], cut['seconds'], cut['samples']) == (2, 60.0, 2600)
-    for more, told in ((['--closed-loop'], 'leave it out'), ([str(log)], 'give it alone'),
-                       (['--sections', '0'], 'at least 1 min')):
-        assert cli.main(['compare', str(log), '--sections', '1', *more]) == 2
+    for more, minutes, told in ((['--closed-loop'], '1', 'leave it out'),
+                                ([str(log)], '1', 'give it alone'), ([], '0', 'at least 1 min')):
+        assert cli.main(['compare', *more, str(log), '--sections', minutes]) == 2
         assert told in capsys.readouterr().err

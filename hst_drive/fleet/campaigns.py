@@ -1,0 +1,181 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Campaigns on disk: a folder with logs is one; what lies beside them says how to read them.
+
+The folder above a campaign is the machine, unless the campaign lies in the fleet's own folder::
+
+    fleet/rig_07/2026-03-14/drilling.csv, sweep.csv, drilling_holdout.csv
+    fleet/rig_07/rig.yaml               (or beside the logs, or above; channels.yaml likewise)
+
+A log with 'holdout' in its name is judged on. The date is that in the names of the folder or its
+logs, or else when a bag began to record.
+"""
+from __future__ import annotations
+
+from datetime import datetime, timezone
+import hashlib
+import os
+from pathlib import Path
+import re
+from typing import NamedTuple, Sequence
+
+import hst_drive
+from hst_drive.errors import InputError
+from hst_drive.rig import default_rig_file
+from hst_drive.rig.yaml_file import read_yaml
+
+_DATE = re.compile(r'(?<!\d)((?:19|20)\d\d)[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)')
+_HOLDOUT = re.compile('hold[-_ ]?out', re.IGNORECASE)
+_CHUNK = 1 << 20
+
+
+class Campaign(NamedTuple):
+    """Logs of one drive: paths, the machine, and the day ('YYYY-MM-DD', '' if not known)."""
+
+    name: str
+    machine: str
+    date: str
+    logs: tuple[str, ...]
+    holdout: tuple[str, ...]
+    rig: str = ''
+    channels: str = ''
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """All that the diagnosis reads."""
+        return (*self.logs, *self.holdout, *(path for path in (self.rig, self.channels) if path))
+
+
+def find_campaigns(place: str | os.PathLike[str]) -> list[Campaign]:
+    """
+    Return the campaigns below a folder, or those that a list names.
+
+    Parameters
+    ----------
+    place : path
+        A folder, or a text file with a folder per line (relative to the file; # begins a remark).
+
+    Raises
+    ------
+    InputError
+        If there are none.
+
+    """
+    place = Path(place)
+    if place.is_file():
+        root, folders = place.parent, [place.parent / line for line in _lines(place)]
+        absent = [folder for folder in folders if not folder.is_dir()]
+        if absent:
+            raise InputError(f'{place}: names {absent[0]}, which is no folder')
+    else:
+        root, folders = place, [place]
+    if not root.is_dir():
+        raise InputError(f'{place}: not found; expected a folder with campaigns, or a list of '
+                         'them')
+    found: dict[Path, Campaign] = {}
+    for folder in folders:
+        for below in _folders(folder):
+            campaign = _campaign(below, root)
+            if campaign:
+                found[below.resolve()] = campaign
+    if not found:
+        raise InputError(f'{place}: no logs (.csv, .mcap or rosbag2 folders) in it or below')
+    return sorted(found.values())
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        text = path.read_text(encoding='utf-8')
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f'{path}: cannot be read as a list of folders ({error})') from None
+    return [line for raw in text.splitlines() if (line := raw.partition('#')[0].strip())]
+
+
+def _folders(folder: Path) -> list[Path]:
+    """Return a folder and all below it, but not what is inside of bags, hidden or ours."""
+    found = [folder]
+    for entry in sorted(folder.iterdir()):
+        if entry.is_dir() and not entry.name.startswith('.') and not _is_bag(entry):
+            found += _folders(entry)
+    return found
+
+
+def _is_bag(folder: Path) -> bool:
+    return (folder / 'metadata.yaml').is_file()
+
+
+def _campaign(folder: Path, root: Path) -> Campaign | None:
+    logs = [str(entry) for entry in sorted(folder.iterdir())
+            if entry.suffix.lower() in ('.csv', '.mcap') and entry.is_file()
+            or entry.is_dir() and _is_bag(entry)]
+    if not logs:
+        return None
+    held = tuple(path for path in logs if _HOLDOUT.search(Path(path).name))
+    try:
+        parts = folder.resolve().relative_to(root.resolve()).parts
+    except ValueError:
+        parts = folder.resolve().parts[-2:]
+    name = '/'.join(parts) or folder.resolve().name
+    machine = '/'.join(parts[:-1]) or _DATE.sub('', name).strip('-_. ') or name
+    return Campaign(name, machine, _date(name, logs),
+                    tuple(path for path in logs if path not in held), held,
+                    _beside(folder, root, 'rig.yaml'), _beside(folder, root, 'channels.yaml'))
+
+
+def _beside(folder: Path, root: Path, name: str) -> str:
+    """Return a file beside the logs, or in the nearest folder above up to the fleet's."""
+    inside = root.resolve() in (folder.resolve(), *folder.resolve().parents)
+    for place in (folder, *folder.parents):
+        if (place / name).is_file():
+            return str(place / name)
+        if not inside or place.resolve() == root.resolve():
+            return ''
+    return ''
+
+
+def _date(name: str, logs: Sequence[str]) -> str:
+    """Return the day in the name of the campaign or of a log, or that on which a bag began."""
+    for text in (*reversed(name.split('/')), *(Path(log).name for log in logs)):
+        match = _DATE.search(text)
+        if match:
+            return '-'.join(match.groups())
+    for log in logs:
+        stamp = _began(Path(log) / 'metadata.yaml') if os.path.isdir(log) else 0
+        if stamp > 0:
+            return datetime.fromtimestamp(stamp / 1e9, timezone.utc).strftime('%Y-%m-%d')
+    return ''
+
+
+def _began(path: Path) -> int:
+    """Return when a bag began, ns; 0 where that is not told, or simulated time."""
+    try:
+        stamp = read_yaml(str(path))['rosbag2_bagfile_information']['starting_time'][
+            'nanoseconds_since_epoch']
+        return int(stamp) if int(stamp) > 631_152_000_000_000_000 else 0    # 1990
+    except (InputError, KeyError, TypeError, ValueError):
+        return 0
+
+
+def key_of(campaign: Campaign) -> str:
+    """
+    Return what a result hangs on, as a digest: what the files hold, and this program's version.
+
+    The same logs under another name are the same; a changed rig file is another campaign.
+    """
+    digest = hashlib.sha256(hst_drive.__version__.encode())
+    rig = campaign.rig or str(default_rig_file())
+    for role, paths in (('log', campaign.logs), ('holdout', campaign.holdout), ('rig', (rig,)),
+                        ('channels', (campaign.channels,) if campaign.channels else ())):
+        for path in paths:
+            digest.update(f'\0{role}\0{Path(path).name}\0'.encode())
+            _add(digest, Path(path))
+    return digest.hexdigest()[:24]
+
+
+def _add(digest, path: Path) -> None:
+    for entry in [path] if path.is_file() else sorted(path.rglob('*')):
+        if entry.is_file():
+            with open(entry, 'rb') as file:
+                while chunk := file.read(_CHUNK):
+                    digest.update(chunk)

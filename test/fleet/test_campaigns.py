@@ -1,0 +1,62 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is a campaign, whose it is, and when it was."""
+from hst_drive.errors import InputError
+from hst_drive.fleet.campaigns import find_campaigns
+import pytest
+
+
+def put(path, text='time[s]\n'):
+    """Write a file and the folders above it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding='utf-8')
+
+
+@pytest.fixture
+def fleet(tmp_path):
+    """Return a folder with campaigns of several forms."""
+    root = tmp_path / 'fleet'
+    put(root / 'rig_a' / '2026-03-14' / 'drilling.csv')
+    put(root / 'rig_a' / '2026-03-14' / 'drilling_holdout.csv')
+    put(root / 'rig_a' / '2026-03-14' / 'notes.txt')
+    put(root / 'rig_a' / 'rig.yaml')
+    put(root / 'channels.yaml')
+    put(root / 'rig_b' / 'hole_7' / 'log_20260401_0830.mcap')
+    put(root / 'rig_b' / 'hole_7' / 'channels.yaml')
+    put(root / 'rig_c_20260105' / 'bag' / 'metadata.yaml', 'rosbag2_bagfile_information:\n'
+        '  starting_time: {nanoseconds_since_epoch: 1767225600000000000}\n')
+    put(root / 'rig_c_20260105' / 'bag' / 'bag_0.mcap')
+    put(root / 'rig_d' / 'bag' / 'metadata.yaml', 'rosbag2_bagfile_information:\n'
+        '  starting_time: {nanoseconds_since_epoch: 1767225600000000000}\n')
+    put(root / '.hidden' / 'log.csv')
+    return root
+
+
+def test_what_is_found(fleet):
+    found = {entry.name: entry for entry in find_campaigns(fleet)}
+    assert {name: (entry.machine, entry.date, len(entry.logs), len(entry.holdout))
+            for name, entry in found.items()} == {
+        'rig_a/2026-03-14': ('rig_a', '2026-03-14', 1, 1),
+        'rig_b/hole_7': ('rig_b', '2026-04-01', 1, 0),
+        'rig_c_20260105': ('rig_c', '2026-01-05', 1, 0),
+        'rig_d': ('rig_d', '2026-01-01', 1, 0)}
+    assert found['rig_a/2026-03-14'].rig == str(fleet / 'rig_a' / 'rig.yaml')
+    assert found['rig_b/hole_7'].rig == ''
+    assert found['rig_a/2026-03-14'].channels == str(fleet / 'channels.yaml')
+    assert found['rig_b/hole_7'].channels == str(fleet / 'rig_b' / 'hole_7' / 'channels.yaml')
+
+
+def test_a_list(fleet, tmp_path):
+    names = tmp_path / 'list.txt'
+    names.write_text('# ours\nfleet/rig_a   # the old one\n\nfleet/rig_d\n')
+    assert [entry.name for entry in find_campaigns(names)] == [
+        'fleet/rig_a/2026-03-14', 'fleet/rig_d']
+    names.write_text('fleet/rig_z\n')
+    with pytest.raises(InputError, match='rig_z, which is no folder'):
+        find_campaigns(names)
+
+
+def test_nothing_there(tmp_path):
+    for place, told in ((tmp_path, 'no logs'), (tmp_path / 'none', 'not found')):
+        with pytest.raises(InputError, match=told):
+            find_campaigns(place)
