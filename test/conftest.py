@@ -23,7 +23,7 @@ NEEDS = {
                      'bag/test_csv_log.py', 'bag/test_foreign.py', 'bag/test_fuzz.py',
                      'bag/test_recovery.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
-                     'nodes/test_lifecycle.py', 'nodes/test_safety.py',
+                     'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     'truth': ('numba',), 'bench': ('numba',)}

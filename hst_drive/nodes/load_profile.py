@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import sys
+import time
 
 from hst_drive.bag.topics import TOPICS
 from hst_drive.load import load_scenario
@@ -72,8 +73,11 @@ class LoadProfile(DriveNode):
         self._start = stamp
         if not self.lockstep:
             self._play(stamp)
-            self._timer = self.create_timer(1.0 / self.settings['rate'],
-                                            lambda: self._play(self.now()))
+            # How far the scenario is must not hang on a clock that can be set.
+            began = time.monotonic()
+            self._timer = self.create_timer(
+                1.0 / self.settings['rate'],
+                lambda: self._play(self.now(), time.monotonic() - began), clock=self._wall)
 
     def _clocked(self, message: Clock) -> None:
         stamp = message.clock.sec * BILLION + message.clock.nanosec
@@ -90,8 +94,9 @@ class LoadProfile(DriveNode):
             self._play(stamp)
             self.answers.done(stamp)
 
-    def _play(self, stamp: int) -> None:
-        scenario, t = self._scenario, (stamp - self._start) / BILLION
+    def _play(self, stamp: int, t: float | None = None) -> None:
+        scenario = self._scenario
+        t = (stamp - self._start) / BILLION if t is None else t
         out = self.outputs
         self._count += 1
         if self._count % SLOW == 1:

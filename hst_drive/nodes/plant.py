@@ -27,6 +27,7 @@ _ANGLE = STATES.index('motor_angle')
 _INPUTS = {'pump_command': 'pump_command', 'pprv_command': 'pprv_command',
            'oil_temperature_command': 'oil_temperature'}   # topic -> input of the drive
 _PROGRESS = 0.5   # s of wall time between two lines of progress
+_JUMP = BILLION // 4   # ns; the clock was set if it is off by more
 
 
 class Plant(DriveNode):
@@ -84,11 +85,9 @@ class Plant(DriveNode):
         self._drive.advance(self._state, 1e-3, pump_command=0.0, pprv_command=0.0)
 
     def _first_state(self) -> np.ndarray:
-        speed = self.settings['start_speed']
-        if not speed:
-            return self._drive.initial_state()
-        return operating_point(self._drive, speed,
-                               pprv_command=self.settings['start_pprv_command']).state
+        speed, load = self.settings['start_speed'], self.settings['start_pprv_command']
+        return (operating_point(self._drive, speed, pprv_command=load).state if speed
+                else self._drive.initial_state())
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -147,14 +146,14 @@ class Plant(DriveNode):
         self._began = self._told = time.monotonic()
         if self.lockstep:
             self._start = sync.SIMULATED_START
-            self.sync.say(sync.START, self._start, {
-                'period': self._period, 'steps': self._steps or 0})
+            counts = {'period': self._period, 'steps': self._steps or 0}
+            self.sync.say(sync.START, self._start, counts)
             self._next_step()
         else:
             self._start = self.now()
             self.sync.say(sync.START, self._start)
             self._tick()
-            self.create_timer(self._period / BILLION, self._tick)
+            self.create_timer(self._period / BILLION, self._tick, clock=self._wall)
 
     def _stamp(self) -> int:
         return self._start + self._step * self._period
@@ -210,9 +209,7 @@ class Plant(DriveNode):
     def _ask(self, word: str) -> None:
         self._unanswered = {name for name in self.partners if name != self.role}
         self._asked = self._stamp()
-        self.sync.say(word, self._asked, {
-            self.resolve_topic_name(name): output.published
-            for name, output in self.outputs.items()})
+        self.sync.say(word, self._asked, self.answers.counts())
         if word == sync.LAST and not self._unanswered:
             self._finish()
 
@@ -247,7 +244,12 @@ class Plant(DriveNode):
 
     def _tick(self) -> None:
         """Take the samples that are due in real time; a late tick catches up."""
-        due = (self.now() - self._start) // self._period
+        # The pace is that of a clock that cannot be set; the stamps follow one that can.
+        passed = round((time.monotonic() - self._began) * BILLION)
+        if abs(jump := self.now() - self._start - passed) > _JUMP:
+            self._start += jump
+            self.get_logger().warning(f'the clock was set by {jump / BILLION:+.3g} s')
+        due = passed // self._period
         while self._step < due and self.exit_code is None:
             self._step += 1
             self._held = dict(self._inputs)
@@ -258,7 +260,7 @@ class Plant(DriveNode):
     def _finish(self) -> None:
         if not self.lockstep:
             self.sync.say(sync.LAST, self._stamp())
-            # Else the word goes down with this process: to the others that were a fault.
+            # Else the word goes down with this process, a fault to the others.
             self.sync.publisher.wait_for_all_acked(Duration(seconds=1.0))
         self._tell(last=True)
         self.stop(0)
@@ -272,10 +274,8 @@ class Plant(DriveNode):
     def _tell(self, last: bool = False) -> None:
         now = time.monotonic()
         if self.settings['progress'] and (last or now - self._told >= _PROGRESS):
-            self._told = now
-            seconds = (self._step + 1) * self._period / BILLION
-            print(f'progress {seconds:.2f} {now - self._began:.3f}{" end" if last else ""}',
-                  flush=True)
+            self._told, seconds = now, (self._step + 1) * self._period / BILLION
+            print(f'progress {seconds:.2f} {now - self._began:.3f}{" end" * last}', flush=True)
 
     def _watch(self) -> None:
         """In lockstep, give up when a partner does not answer, and say which."""

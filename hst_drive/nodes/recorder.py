@@ -71,9 +71,11 @@ class Recorder(DriveNode):
 
     def activate(self) -> None:
         """Begin to look for publishers."""
+        if self._bag is None:
+            raise InputError('recorder: its bag is closed; configure it anew')
         super().activate()
         self._search = self.create_timer(0.05, self._subscribe_found, clock=self._wall)
-        self.create_timer(1.0, lambda: self._bag and self._bag.flush(), clock=self._wall)
+        self.create_timer(1.0, self._flush, clock=self._wall)
 
     def not_connected(self) -> list[str]:
         """Return the topics that have no publisher yet."""
@@ -102,8 +104,34 @@ class Recorder(DriveNode):
         # In lockstep, commands may be there for steps that never came.
         self._write(self._reached if self.lockstep else math.inf)
         written, self._bag = self._bag, None
-        written.close()
+        if written is None:
+            return
+        try:
+            written.close()
+        except OSError as error:
+            self._lost(error)
+            return
         print(f'recorded {written.message_count}', flush=True)
+
+    def _flush(self) -> None:
+        try:
+            if self._bag:
+                self._bag.flush()
+        except OSError as error:
+            self._lost(error)
+
+    def _store(self, name: str, data: bytes, at: int, stamp: int) -> None:
+        """Write a message; if that fails (a full disk), say so once and end."""
+        try:
+            if self._bag:
+                self._bag.write(name, data, at, stamp)
+        except OSError as error:
+            self._lost(error)
+
+    def _lost(self, error: OSError) -> None:
+        # Nothing more is written: the chunks on the disk are whole and can be saved from there.
+        self._bag = None
+        self.stop(1, f"OSError: {self.settings['output']} cannot be written: {error.strerror}")
 
     def _subscribe_found(self) -> None:
         for name in self._order:
@@ -137,7 +165,7 @@ class Recorder(DriveNode):
         self._last_message = time.monotonic()
         stamp = stamp_of(data)
         if not self.lockstep:
-            self._bag.write(name, data, self.now(), stamp)
+            self._store(name, data, self.now(), stamp)
             return
         self._received[name] += 1
         if name in self._measured:
@@ -165,7 +193,7 @@ class Recorder(DriveNode):
         self._buffer.sort(key=lambda entry: entry[:2])
         count = bisect_right(self._buffer, end, key=lambda entry: entry[0])
         for stamp, _, name, data in self._buffer[:count]:
-            self._bag.write(name, data, stamp, stamp)
+            self._store(name, data, stamp, stamp)
         del self._buffer[:count]
 
 

@@ -88,7 +88,7 @@ class Answers:
 
     def __init__(self, sync: Sync, counts: Callable[[], dict[str, int]]):
         self._sync = sync
-        self._counts = counts
+        self.counts = counts
         self._history: dict[int, dict[str, int]] = {}
         self._asked: int | None = None
         self._done = 0
@@ -101,7 +101,7 @@ class Answers:
     def done(self, stamp: int) -> None:
         """Note that all messages of the step with this stamp have been published."""
         self._done = stamp
-        self._history[stamp] = self._counts()
+        self._history[stamp] = self.counts()
         if len(self._history) > 2 * INTERVAL:
             del self._history[next(iter(self._history))]
         self._answer()

@@ -6,6 +6,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 import os
 from pathlib import Path
+import resource
 import signal
 import subprocess
 import sys
@@ -23,10 +24,14 @@ def environment() -> dict[str, str]:
     return {**os.environ, 'PYTHONPATH': path}
 
 
-def start(*arguments: str) -> subprocess.Popen:
-    """Start ``hst-drive`` with these arguments."""
+def start(*arguments: str, file_size: int | None = None) -> subprocess.Popen:
+    """Start ``hst-drive`` with these arguments; no file of it may exceed a size (bytes)."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+
     return subprocess.Popen([sys.executable, '-m', 'hst_drive', *arguments], env=environment(),
-                            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                            text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            preexec_fn=limit if file_size else None)
 
 
 def run(*arguments: str) -> tuple[int, str, str]:

@@ -27,7 +27,7 @@ def begin(tmp_path, *arguments):
     return process, nodes, bag
 
 
-@pytest.mark.parametrize('victim', ['controller', 'plant'])
+@pytest.mark.parametrize('victim', sorted(NODES - {'recorder'}))
 def test_a_node_that_dies_ends_the_run_and_the_bag_is_whole(tmp_path, victim):
     process, nodes, bag = begin(tmp_path)
     import os
@@ -58,6 +58,22 @@ def test_a_killed_recorder_leaves_a_bag_that_can_be_saved(tmp_path):
     assert process.returncode == 1
     assert 'node recorder was killed' in err and 'hst-drive recover' in err
     assert not any(map(alive, nodes.values()))
+    saved = start('recover', str(bag), '-o', str(tmp_path / 'saved'))
+    _, err = saved.communicate(timeout=PATIENCE)
+    assert saved.returncode == 0, err
+    assert len(read_log(tmp_path / 'saved')) > 20
+
+
+@pytest.mark.parametrize('pace', ['--fast', '--realtime'])
+def test_a_full_disk_ends_the_run_with_its_reason_and_the_bag_can_be_saved(tmp_path, pace):
+    """The size of files is limited instead: to a writer that looks the same."""
+    bag = tmp_path / 'bag'
+    process = start('run', 'layered_ground', '--duration', '3600', '-o', str(bag), pace,
+                    file_size=150_000)
+    _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1 and 'Traceback' not in err, err
+    assert 'node recorder' in err and 'cannot be written: File too large' in err
+    assert 'hst-drive recover' in err
     saved = start('recover', str(bag), '-o', str(tmp_path / 'saved'))
     _, err = saved.communicate(timeout=PATIENCE)
     assert saved.returncode == 0, err
