@@ -257,7 +257,7 @@ def _sensors(work: Designer, rated: Sequence[Rated],
     found: dict[str, tuple[float, Trial]] = {}
     for trial in shortlist:
         work.progress('trying sensors')
-        if work._known[trial].worst == 0.0:
+        if work.rate([trial])[0].worst == 0.0:
             continue
         rehearsal = work.rehearsal(trial)
         for name in EXTRA:

@@ -124,7 +124,8 @@ class Effect:
     equation : str
         The equation as text.
     parameters : tuple of Parameter
-        The first is the effect's size: at its neutral value nothing is left of the effect.
+        The first is the effect's size: at its neutral value nothing is left of the effect, but
+        for parts that have a size of their own (friction in proportion to load, say).
     telltale : str
         One sentence: what the data look like.
     source : str
