@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import numpy as np
 
-# ISO VG grade: mm^2/s at 40 degC, mm^2/s at 100 degC.
+# Grade: mm^2/s at 40 degC, mm^2/s at 100 degC; the same stand in config/oil_grades.yaml.
 GRADES: dict[str, tuple[float, float]] = {
     'ISO VG 10': (10.0, 2.6), 'ISO VG 15': (15.0, 3.3), 'ISO VG 22': (22.0, 4.3),
     'ISO VG 32': (32.0, 5.4), 'ISO VG 46': (46.0, 6.8), 'ISO VG 68': (68.0, 8.7),
-    'ISO VG 100': (100.0, 11.4), 'ISO VG 150': (150.0, 15.0), 'SAE 30': (93.0, 10.8),
+    'ISO VG 100': (100.0, 11.4), 'ISO VG 150': (150.0, 15.0), 'SAE 10W': (41.0, 6.6),
+    'SAE 30': (93.0, 10.8), 'HVLP 46': (46.0, 8.1),
 }
 
 

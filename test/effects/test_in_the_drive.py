@@ -5,10 +5,12 @@ import math
 
 from hst_drive.effects import catalogue
 from hst_drive.effects.entrained_air import compliance
-from hst_drive.effects.oil import viscosity
+from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.model import Drive
 from hst_drive.model.steady import operating_point
+from hst_drive.resources import share
 from hst_drive.rig import default_rig
+from hst_drive.rig.yaml_file import read_yaml
 import numpy as np
 import pytest
 
@@ -95,6 +97,12 @@ def test_compiled_is_plain(name):
 def test_viscosity_at_the_freezing_point(grade, at_0):
     """From 40 and 100 degC to what makers of mineral hydraulic oils state for 0 degC."""
     assert viscosity(273.15, grade) * 1e6 == pytest.approx(at_0, rel=0.03)
+
+
+def test_grades_are_those_of_the_file():
+    """The verb losses reads them from a file that users may copy, rig files name them."""
+    assert read_yaml(share('config', 'oil_grades.yaml')) == {
+        name: list(pair) for name, pair in GRADES.items()}
 
 
 def test_warm_oil_leaks_more():
