@@ -24,6 +24,8 @@ class Slot(NamedTuple):
     meaning: str
 
 
+USUAL_SHARE = 0.35      # of the inertia lies behind a flexible shaft unless an effect moves it
+
 SLOTS: dict[str, Slot] = {
     'pump_command': Slot('pump actuator', 'V', 'added to the pump command'),
     'pump_play': Slot('pump actuator', 'V', 'width of the play between command and swash plate'),
@@ -40,8 +42,8 @@ SLOTS: dict[str, Slot] = {
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
     'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
-    'shaft_load_share': Slot('torque', '1', 'added to the share of the inertia (0.35) that lies '
-                             'behind a flexible shaft'),
+    'shaft_load_share': Slot('torque', '1', f'added to the share of the inertia ({USUAL_SHARE}) '
+                             'that lies behind a flexible shaft'),
     'load_torque': Slot('load', 'N.m', 'load torque beyond what the loading unit explains'),
     'pressure_reading': Slot('sensor', 'Pa', 'added to the pressure reading'),
     'flow_reading': Slot('sensor', 'm^3/s', 'added to the flow reading'),

@@ -5,9 +5,7 @@ A shaft or drill string that twists.
 
 The kernel splits the inertia into a part at the hydromotor and one behind the shaft.
 """
-from hst_drive.effects.base import Effect, Parameter
-
-USUAL_SHARE = 0.35      # of the inertia lies behind the shaft, unless an effect says otherwise
+from hst_drive.effects.base import Effect, Parameter, USUAL_SHARE
 
 
 def load_share(compliance, load_side_share):

@@ -23,8 +23,7 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
-from hst_drive.effects.base import arguments
-from hst_drive.effects.shaft_compliance import USUAL_SHARE
+from hst_drive.effects.base import arguments, USUAL_SHARE
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
