@@ -38,6 +38,10 @@ class DamagedError(Exception):
     """A record whose content does not match its checksum or its format."""
 
 
+_DAMAGE = (DamagedError, McapError, struct.error, UnicodeDecodeError, MemoryError, OverflowError,
+           OSError)     # what spoilt bytes may lead to
+
+
 @dataclass
 class Stream:
     """The messages of one topic: bytes, receive and publish times (ns), in file order."""
@@ -93,8 +97,8 @@ def read_streams(path: Path, wanted: Callable[[str], bool] = lambda topic: True)
                 collector.know(summary)
             for opcode, body in _records(file, offsets):
                 collector.take(opcode, body)
-    except (DamagedError, McapError, struct.error, UnicodeDecodeError) as error:
-        raise InputError(f'{path}: damaged ({error}); what is readable can be saved with: '
+    except _DAMAGE as error:
+        raise InputError(f'{path}: damaged ({error or type(error).__name__}); what is readable can be saved with: '
                          f'{recover_command(path)}') from None
     return list(collector.streams.values())
 
@@ -116,7 +120,7 @@ def salvage_streams(path: Path) -> tuple[list[Stream], int]:
         for opcode, body in _records(file, None, partial=True):
             try:
                 collector.take(opcode, body, partial=True)
-            except (DamagedError, McapError, struct.error, UnicodeDecodeError):
+            except _DAMAGE:
                 damaged += 1
     return list(collector.streams.values()), damaged
 
@@ -161,8 +165,8 @@ def cut_error(path: Path, shown: Path | None = None) -> InputError:
 def _summary(file: BinaryIO) -> Summary | None:
     try:
         return make_reader(file).get_summary()
-    except (McapError, struct.error, ValueError):
-        return None
+    except (McapError, struct.error, ValueError, MemoryError, OverflowError, OSError):
+        return None     # lengths in it may be anything; the records are then read one by one
 
 
 def _offsets(summary: Summary | None, wanted: Callable[[str], bool]) -> list[int] | None:
@@ -190,6 +194,8 @@ def _records(file: BinaryIO, offsets: list[int] | None, partial: bool = False,
         for offset in offsets:
             file.seek(offset)
             opcode, length = _RECORD.unpack(file.read(_RECORD.size))
+            if length > size:
+                raise DamagedError('a record goes beyond its file')
             yield opcode, file.read(length)
         return
     at = len(MAGIC)

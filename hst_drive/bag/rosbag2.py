@@ -155,7 +155,7 @@ def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> list[Stream]:
     try:
         with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as base:
             return _query(base, wanted)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, MemoryError, OverflowError, TypeError) as error:
         raise InputError(f'{path}: damaged or no sqlite3 bag ({error})') from None
 
 
@@ -168,6 +168,8 @@ def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> list[Stre
     streams = []
     for number, topic, kind, encoding in base.execute(
             'SELECT id, name, type, serialization_format FROM topics').fetchall():
+        if not all(isinstance(entry, str) for entry in (topic, kind, encoding)):
+            raise sqlite3.DataError('the table of topics holds no texts')
         schema, text = texts.get(kind, ('ros2msg', ''))
         stream = Stream(topic, kind, text, schema, encoding, {})
         if wanted(topic):
@@ -176,6 +178,8 @@ def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> list[Stre
             rows = base.execute('SELECT timestamp, data FROM messages WHERE topic_id=? '
                                 'ORDER BY id', (number,))
             for at, data in rows:
+                if not isinstance(at, int) or not isinstance(data, bytes):
+                    raise sqlite3.DataError('a message is no bytes, or its time no number')
                 stream.data.append(data)
                 stream.log_time.append(at)
                 stream.publish_time.append(at)

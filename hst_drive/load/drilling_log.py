@@ -72,7 +72,7 @@ def parse_drilling_log(text: str, source: str,
         Naming file, row and column.
 
     """
-    rows = csv.reader(io.StringIO(text))
+    rows = csv.reader(io.StringIO('\n'.join(text.splitlines())))
     header = [cell.strip() for cell in next(rows, [])]
     if not any(header):
         raise InputError(f'{source}: is empty; expected a header and rows of a drilling log')
