@@ -44,6 +44,8 @@ class Transmissions(NamedTuple):
     """
     What a table of transmissions says, SI.
 
+    ``speed_error`` is how much faster a loss-free one turns than the median of the measured, over
+    the measured; ``leakage_share`` is over the loss-free flow.
     ``leakage`` and ``conductance`` (None without displacement or pressure) are of pump and motor
     together; ``unit_scatter`` is the relative scatter of the leakage between units, the
     repeatability (forward against reverse) taken out where both are there.
@@ -75,8 +77,8 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
     headers, lines, source
         As in the file, for messages.
     constants : mapping
-        pump_displacement, motor_displacement (m^3/rad; taken for equal where missing) and
-        supply_pressure (Pa, across the transmission) that hold for all rows.
+        pump_displacement, motor_displacement (m^3/rad; one that is missing is as large as the
+        other) and supply_pressure (Pa, across the transmission) that hold for all rows.
 
     Raises
     ------
@@ -96,8 +98,9 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
             raise InputError(f'{source}: row {lines[bad[0]]}, column {headers[name]!r}: found '
                              f'{values[bad[0]]:.6g} (SI), expected a positive number; mend it or '
                              'empty the cell')
-    ratio = known.get('pump_displacement', 1.0) / known.get('motor_displacement', 1.0)
-    ideal = known['pump_speed'] * ratio
+    pump, motor = known.get('pump_displacement'), known.get('motor_displacement')
+    pump, motor = motor if pump is None else pump, pump if motor is None else motor
+    ideal = known['pump_speed'] * (1.0 if motor is None else pump / motor)
     names = [name for name in ('motor_speed', 'motor_speed_reverse') if name in known]
     shares = {name: 1.0 - known[name] / ideal for name in names}
     outliers, good = [], {}
@@ -114,7 +117,7 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
     if not usable.any():
         raise InputError(f'{source}: no row has pump and motor speed; found {len(lines)} rows; '
                          'fill the cells')
-    flow = ideal * known['motor_displacement'] if 'motor_displacement' in known else None
+    flow = None if motor is None else ideal * motor
     pressure = known.get('supply_pressure')
     leakage = None if flow is None else _spread((share * flow)[usable])
     conductance = None

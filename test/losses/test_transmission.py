@@ -38,6 +38,16 @@ def test_leakage_and_scatter_come_back():
     assert not found.outliers and 'torque losses' in found.not_determinable
 
 
+@pytest.mark.parametrize('given', ['pump_displacement', 'motor_displacement'])
+def test_one_displacement_stands_for_both(given):
+    columns = {'pump_speed': np.full(8, 100.0), 'motor_speed': np.full(8, 90.0)}
+    found = transmissions(columns, {name: name for name in columns}, np.arange(8), {given: 3e-5},
+                          'made.csv')
+    assert found.loss_free_speed == pytest.approx(100.0)
+    assert found.leakage.median == pytest.approx(3e-4)
+    assert found.speed_error == pytest.approx(100.0 / 90.0 - 1.0)
+
+
 def test_a_wrong_digit_is_named_by_its_row():
     found = made(wrong=40)
     assert [(entry.line, entry.column) for entry in found.outliers] == [(42, 'motor_speed')]
