@@ -87,17 +87,7 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
 
     """
     known = {**{name: np.full(len(lines), value) for name, value in constants.items()}, **columns}
-    for name in ('pump_speed', 'motor_speed'):
-        if name not in known:
-            raise InputError(f'{source}: column {name}[rpm] is missing; a table of transmissions '
-                             'needs pump_speed and motor_speed; name them in --channels MAP.yaml')
-    for name, values in columns.items():
-        bad = np.flatnonzero(np.isinf(values) | (values <= 0 if name != 'oil_temperature'
-                                                 else values < 0))
-        if len(bad):
-            raise InputError(f'{source}: row {lines[bad[0]]}, column {headers[name]!r}: found '
-                             f'{values[bad[0]]:.6g} (SI), expected a positive number; mend it or '
-                             'empty the cell')
+    _check(known, columns, headers, lines, source)
     pump, motor = known.get('pump_displacement'), known.get('motor_displacement')
     pump, motor = motor if pump is None else pump, pump if motor is None else motor
     ideal = known['pump_speed'] * (1.0 if motor is None else pump / motor)
@@ -109,10 +99,10 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
         outliers += found
         good[name] = rows
     share = np.where(good['motor_speed'], shares['motor_speed'], np.nan)
-    both = len(names) == 2
-    if both:
-        reverse = np.where(good[names[1]], shares[names[1]], np.nan)
-        pair = np.isfinite(share) & np.isfinite(reverse)
+    reverse = np.full(len(lines), np.nan)
+    if 'motor_speed_reverse' in good:
+        reverse[good['motor_speed_reverse']] = shares['motor_speed_reverse'][
+            good['motor_speed_reverse']]
     usable = np.isfinite(share)
     if not usable.any():
         raise InputError(f'{source}: no row has pump and motor speed; found {len(lines)} rows; '
@@ -123,20 +113,43 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
     conductance = None
     if flow is not None and pressure is not None:
         conductance = _spread((share * flow / pressure)[usable])
-    scatter = repeat = None
-    if both and pair.sum() >= _LEAST_UNITS:
-        difference = share[pair] - reverse[pair]
-        repeat = _robust_sd(difference) / np.sqrt(2.0) / abs(float(np.median(share[pair])))
-        common = _robust_sd(0.5 * (share + reverse)[pair]) / abs(float(np.median(share[pair])))
-        scatter = float(np.sqrt(max(common**2 - 0.5 * repeat**2, 0.0)))
-    elif usable.sum() >= _LEAST_UNITS:
-        scatter = _robust_sd(share[usable]) / abs(float(np.median(share[usable])))
+    scatter, repeat = _scatter(share, reverse)
     speed = _spread(known['motor_speed'][usable])
     loss_free = float(np.median(ideal[usable]))
     return Transmissions(
         int(usable.sum()), loss_free, speed, loss_free / speed.median - 1.0,
         _spread(share[usable]), leakage, conductance, scatter, repeat, tuple(outliers),
         _not_determinable(known, flow is None))
+
+
+def _check(known: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray],
+           headers: Mapping[str, str], lines: np.ndarray, source: str) -> None:
+    """Raise InputError if a speed is missing or a number cannot be."""
+    for name in ('pump_speed', 'motor_speed'):
+        if name not in known:
+            raise InputError(f'{source}: column {name}[rpm] is missing; a table of transmissions '
+                             'needs pump_speed and motor_speed; name them in --channels MAP.yaml')
+    for name, values in columns.items():
+        bad = np.flatnonzero(np.isinf(values) | (values <= 0))
+        if len(bad):
+            raise InputError(f'{source}: row {lines[bad[0]]}, column {headers[name]!r}: found '
+                             f'{values[bad[0]]:.6g} (SI), expected a positive number; mend it or '
+                             'empty the cell')
+
+
+def _scatter(share: np.ndarray, reverse: np.ndarray) -> tuple[float | None, float | None]:
+    """Return the relative scatter between units and within one; None where too few tell."""
+    pair = np.isfinite(share) & np.isfinite(reverse)
+    if pair.sum() >= _LEAST_UNITS:
+        middle = abs(float(np.median(share[pair])))
+        within = _robust_sd((share - reverse)[pair]) / np.sqrt(2.0) / middle
+        # The mean of two readings still holds half of their variance.
+        common = _robust_sd(0.5 * (share + reverse)[pair]) / middle
+        return float(np.sqrt(max(common**2 - 0.5 * within**2, 0.0))), within
+    usable = share[np.isfinite(share)]
+    if len(usable) < _LEAST_UNITS:
+        return None, None
+    return _robust_sd(usable) / abs(float(np.median(usable))), None
 
 
 def _not_determinable(known: Mapping[str, np.ndarray], no_size: bool) -> dict[str, str]:
