@@ -6,8 +6,8 @@ Spoilt files for every reader: each is read, or refused in one line, in time.
     python -m bench.fuzz --count 20000                # of each reader
     python -m bench.fuzz --count 200000 --reader mcap --seed 3
 
-A failure is anything but ``InputError``: another exception, more than ten seconds, an error text of
-several lines, or a file that was left behind. Hypothesis then shows the smallest case.
+A failure is anything but ``InputError``: another exception, more than ten seconds, an error text
+of several lines, or a file that was left behind. Hypothesis then shows the smallest case.
 """
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ import numpy as np
 import yaml
 
 PATIENCE = 10
-TOKENS = [b'nan', b'-inf', b'1e400', b'-', b'', b'\0', b',', b';', b'\t', b'\n', b'"', b"'", b'[V]',
-          b'[', b']', b'{', b'}', b': ', b'- ', b'#', b'&a ', b'*a', b'!!python/object:os.system ',
+TOKENS = [b'nan', b'-inf', b'1e400', b'-', b'', b'\0', b',', b';', b'\t', b'\n', b'"', b"'",
+          b'[V]', b'[', b']', b'{', b'}', b': ', b'- ', b'#', b'&a ', b'*a', b'!!python/object:os.system ',
           b'<<: *a', b'time[s]', b'0x10', b'1_000', b'9' * 400, b'\xff\xfe', b'\xef\xbb\xbf',
           b'\xc3', b'true', b'null', b'../../x', b'\r', b'1,5', b'--- ']
 EDIT = st.tuples(st.floats(0.0, 1.0), st.integers(0, 40), st.one_of(

@@ -98,8 +98,8 @@ def read_streams(path: Path, wanted: Callable[[str], bool] = lambda topic: True)
             for opcode, body in _records(file, offsets):
                 collector.take(opcode, body)
     except _DAMAGE as error:
-        raise InputError(f'{path}: damaged ({error or type(error).__name__}); what is readable can be saved with: '
-                         f'{recover_command(path)}') from None
+        raise InputError(f'{path}: damaged ({error or "wrong lengths"}); what is readable can be '
+                         f'saved with: {recover_command(path)}') from None
     return list(collector.streams.values())
 
 

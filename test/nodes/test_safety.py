@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from .processes import node, PATIENCE, wait_for
+from .processes import node, PATIENCE, start, wait_for
 
 rclpy = pytest.importorskip('rclpy')
 STOP_TIME, EMERGENCY = 0.8, 0.4
@@ -225,3 +225,32 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
     finally:
         machine.node.destroy_node()
         rclpy.shutdown(context=machine.context)
+
+
+def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_path):
+    from rosbags.highlevel import AnyReader
+    from std_msgs.msg import Bool
+
+    machine = Machine()
+    try:
+        process = start('run', 'paper_step', '-o', str(tmp_path / 'bag'), '--duration', '12')
+        wait_for(lambda: machine.tick(None, None) or machine.commands or process.poll())
+        wait_for(lambda: machine.tick(None, None) or machine.commands[-1][1] > 2.0)
+        machine.stop.publish(Bool(data=True))
+        _, err = process.communicate(timeout=PATIENCE)
+    finally:
+        machine.node.destroy_node()
+        rclpy.shutdown(context=machine.context)
+    assert process.returncode == 0, err
+    with AnyReader([tmp_path / 'bag']) as bag:
+        found = [(connection.topic, bag.deserialize(data, connection.msgtype))
+                 for connection, _, data in bag.messages()]
+    commands = [message.vector.x for topic, message in found if topic == '/drive/pump_command']
+    assert len(commands) == 1200 and commands[-1] == 0.0
+    last = max(place for place, value in enumerate(commands) if value > 0.0)
+    ramp = [value for value in commands[:last + 1]][-5:]
+    # Simulated time: 10 V in 0.3 s, exactly.
+    assert [a - b for a, b in zip(ramp, ramp[1:])] == pytest.approx([10.0 * 0.01 / 0.3] * 4)
+    told = [status.message for topic, message in found if topic == '/diagnostics'
+            for status in message.status if status.name == '/drive/controller: safety']
+    assert any(text.startswith('stopped: emergency_stop') for text in told), told
