@@ -45,7 +45,8 @@ import yaml
 
 PATIENCE = 10
 TOKENS = [b'nan', b'-inf', b'1e400', b'-', b'', b'\0', b',', b';', b'\t', b'\n', b'"', b"'",
-          b'[V]', b'[', b']', b'{', b'}', b': ', b'- ', b'#', b'&a ', b'*a', b'!!python/object:os.system ',
+          b'[V]', b'[', b']', b'{', b'}', b': ', b'- ', b'#', b'&a ', b'*a',
+          b'!!python/object:os.system ',
           b'<<: *a', b'time[s]', b'0x10', b'1_000', b'9' * 400, b'\xff\xfe', b'\xef\xbb\xbf',
           b'\xc3', b'true', b'null', b'../../x', b'\r', b'1,5', b'--- ']
 EDIT = st.tuples(st.floats(0.0, 1.0), st.integers(0, 40), st.one_of(

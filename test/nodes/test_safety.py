@@ -248,7 +248,7 @@ def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_pat
     commands = [message.vector.x for topic, message in found if topic == '/drive/pump_command']
     assert len(commands) == 1200 and commands[-1] == 0.0
     last = max(place for place, value in enumerate(commands) if value > 0.0)
-    ramp = [value for value in commands[:last + 1]][-5:]
+    ramp = commands[last - 4:last + 1]
     # Simulated time: 10 V in 0.3 s, exactly.
     assert [a - b for a, b in zip(ramp, ramp[1:])] == pytest.approx([10.0 * 0.01 / 0.3] * 4)
     told = [status.message for topic, message in found if topic == '/diagnostics'
