@@ -89,7 +89,7 @@ def _here(waiting: dict[str, Campaign], task: Task, workers: int) -> Iterator[tu
     while todo or alone:
         batch = todo or dict([alone.popitem()])
         with _pool(workers if todo else 1) as pool:
-            for key, row in _collected(pool, dict(batch), task, workers):
+            for key, row in _collected(pool, dict(batch), task, lambda: workers):
                 if row is not None:
                     todo.pop(key, None)
                     yield key, row
@@ -107,14 +107,14 @@ def _pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _collected(pool: Executor, batch: dict[str, Campaign], task: Task,
-               workers: int) -> Iterator[tuple[str, dict | None]]:
+               workers: Callable[[], int]) -> Iterator[tuple[str, dict | None]]:
     """Yield rows; None for those that were handed out when a process died. Then it ends."""
     queue = deque(batch.items())
     running = {}
     broken = False
     try:
         while queue and not broken or running:
-            while queue and not broken and len(running) < _AHEAD * workers:
+            while queue and not broken and len(running) < _AHEAD * workers():
                 key, campaign = queue.popleft()
                 try:
                     running[pool.submit(task, campaign)] = key
@@ -149,11 +149,6 @@ def _on_cluster(waiting: dict[str, Campaign], task: Task,
         raise InputError(f'--scheduler {scheduler}: cannot be reached ({problem}); start one with '
                          "'dask scheduler' and workers with 'dask worker ADDRESS'") from None
     with client, client.get_executor(pure=False) as pool:
-        running = {pool.submit(task, campaign): key for key, campaign in waiting.items()}
-        while running:
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
-                key = running.pop(future)
-                try:
-                    yield key, future.result()
-                except Exception as problem:
-                    yield key, failed(waiting[key], f'{type(problem).__name__}: {problem}')
+        # What a dying worker has not handed over is computed again: keep little of it waiting.
+        yield from _collected(pool, waiting, task,
+                              lambda: max(sum(client.ncores().values()), 1))
