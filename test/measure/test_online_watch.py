@@ -3,11 +3,14 @@
 """The watch: closed forms of its parts, quiet on sound units, right on units that change."""
 from pathlib import Path
 
-from bench.watch import watch_unit
+from bench.watch import drilling, SIGNALS, watch_unit
 from hst_drive.bag import read_log
+from hst_drive.effects import catalogue
 from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.drive import Observer
-from hst_drive.measure.online.residuals import Residual
+from hst_drive.measure.online.naming import Signatures
+from hst_drive.measure.online.residuals import Balances, Residual
+from hst_drive.measure.online.stream import Window
 from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD
 from hst_drive.rig import default_rig
 import numpy as np
@@ -60,6 +63,19 @@ def test_a_jolt_does_not_alarm_and_a_jump_does_when_it_must():
         chart.add(-3.0, 100 + steps)
         steps += 1
     assert steps == THRESHOLD / (3.0 - DRIFT) and chart.since == 100
+
+
+@pytest.mark.needs_numba
+def test_an_effect_moves_a_balance_or_is_said_not_to_be_watched():
+    piece = next(drilling(RIG, 1, 1.0))
+    time = np.arange(300) / 100
+    window = Window(0, time, {name: values[:300] for name, values in piece.items()})
+    block = Balances(RIG, SIGNALS).of(window, 1_000_000_000, 3_000_000_000)
+    unseen = Signatures(RIG).unseen
+    for name, effect in catalogue().items():
+        if effect.searched == 'always' and name not in unseen:
+            assert {slot for slot, _ in effect.terms} & set(block.slopes), name
+    assert {'pump_lag', 'pump_hysteresis', 'shaft_compliance'} <= set(unseen)
 
 
 @pytest.mark.needs_numba
