@@ -6,7 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 import os
 from pathlib import Path
+import subprocess
 import sys
+import tempfile
 from test.measure.synthetic import record
 from test.model.reference import Reference
 import time
@@ -39,18 +41,27 @@ def clocked(work: Callable[[], object]) -> tuple[float, float]:
     return time.process_time() - cpu, time.perf_counter() - wall
 
 
+# The peak of a process counts that of whoever started it; its memory's own does not.
+_CALL = """
+import sys
+from hst_drive.cli import main
+code = main(sys.argv[2:])
+peak = [line.split()[1] for line in open('/proc/self/status') if line.startswith('VmHWM')]
+open(sys.argv[1], 'w').write(peak[0])
+sys.exit(code)
+"""
+
+
 def called(arguments: Sequence[str]) -> tuple[float, float, float]:
     """Return CPU and wall seconds, and the peak of memory (MB), of a command line."""
-    began = time.perf_counter()
-    with open(os.devnull, 'w') as nothing:
-        pid = os.posix_spawn(
-            sys.executable, [sys.executable, '-m', 'hst_drive', *map(str, arguments)], os.environ,
-            file_actions=[(os.POSIX_SPAWN_DUP2, nothing.fileno(), 1),
-                          (os.POSIX_SPAWN_DUP2, nothing.fileno(), 2)])
-    _, status, usage = os.wait4(pid, 0)
-    if status:
-        raise RuntimeError(f'hst-drive {" ".join(map(str, arguments))} failed')
-    return usage.ru_utime + usage.ru_stime, time.perf_counter() - began, usage.ru_maxrss / 1024
+    with tempfile.NamedTemporaryFile() as peak:
+        before, began = os.times(), time.perf_counter()
+        subprocess.run([sys.executable, '-c', _CALL, peak.name, *map(str, arguments)], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wall, after = time.perf_counter() - began, os.times()
+        cpu = (after.children_user + after.children_system
+               - before.children_user - before.children_system)
+        return cpu, wall, float(peak.read()) / 1024
 
 
 class Simulation:
