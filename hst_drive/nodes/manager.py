@@ -20,6 +20,8 @@ _GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INA
           'activate': (Transition.TRANSITION_ACTIVATE, State.PRIMARY_STATE_ACTIVE),
           'deactivate': (Transition.TRANSITION_DEACTIVATE, State.PRIMARY_STATE_INACTIVE),
           'cleanup': (Transition.TRANSITION_CLEANUP, State.PRIMARY_STATE_UNCONFIGURED)}
+_ANSWER = 1.0       # s until an answer is taken for lost, or the node for busy
+_FAREWELL = 2.0     # s, for each step on the way down
 
 
 class Refused(Exception):
@@ -38,8 +40,8 @@ class Manager(Node):
         self.names, self.patience = settings['nodes'], settings['patience']
         if not self.names:
             raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
-        self.executor_ = SingleThreadedExecutor()
-        self.executor_.add_node(self)
+        self._spinner = SingleThreadedExecutor()
+        self._spinner.add_node(self)
         self.up: list[str] = []
         self._clients_of = {name: (self.create_client(ChangeState, f'{name}/change_state'),
                                    self.create_client(GetState, f'{name}/get_state'))
@@ -55,13 +57,18 @@ class Manager(Node):
                 self.get_logger().info(f'{name}: {step}d')
 
     def bring_down(self) -> None:
-        """Deactivate and clean up what is up, last things first."""
+        """Deactivate and clean up what is up and still there, last things first."""
+        # A launch that ends sends all of them home at once and gives us five seconds.
+        self.patience = min(self.patience, _FAREWELL)
         for name in reversed(self.up):
             for step in ('deactivate', 'cleanup'):
+                if not self._clients_of[name][0].service_is_ready():
+                    break
                 try:
                     self._go(name, step)
                 except Refused as problem:
                     self.get_logger().warning(str(problem))
+                    break
         self.up.clear()
 
     def _go(self, name: str, step: str) -> None:
@@ -70,18 +77,24 @@ class Manager(Node):
         for client in (change, ask):
             if not client.wait_for_service(timeout_sec=self.patience):
                 raise Refused(f'{name}: no such managed node; start it with --managed')
-        if self._answer(change, ChangeState.Request(transition=Transition(id=number))):
-            return
-        # An answer may be lost while the endpoints find each other: what counts is the state.
-        state = self._answer(ask, GetState.Request(), 'current_state')
-        if state is None or state.id != goal:
-            raise Refused(f'{name}: does not {step}; it is '
-                          f'{state.label if state else "silent"}, its log says why')
+        future = change.call_async(ChangeState.Request(transition=Transition(id=number)))
+        end, state = time.monotonic() + self.patience, None
+        while time.monotonic() < end:
+            # An answer may be lost while endpoints find each other: what counts is the state.
+            if self._wait(future) and future.result().success:
+                return
+            asked = ask.call_async(GetState.Request())
+            state = asked.result().current_state if self._wait(asked) else None
+            if state is not None and state.id == goal:
+                return
+            if future.done() and state is not None:
+                break
+        raise Refused(f'{name}: does not {step}; it is {state.label if state else "silent"}, '
+                      'its log says why')
 
-    def _answer(self, client, request, field: str = 'success'):
-        future = client.call_async(request)
-        self.executor_.spin_until_future_complete(future, timeout_sec=self.patience)
-        return getattr(future.result(), field) if future.done() else None
+    def _wait(self, future) -> bool:
+        self._spinner.spin_until_future_complete(future, timeout_sec=min(self.patience, _ANSWER))
+        return future.done()
 
 
 def main(args: list[str] | None = None) -> int:
