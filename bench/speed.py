@@ -147,8 +147,10 @@ def main() -> int:
                             text=True, check=False).stdout.strip()
     print(f'median of {args.runs} runs or more; commit {commit}', flush=True)
     for name in args.parts or PARTS:
-        rows = [[row.what, f'{row.cpu:.4g}', f'{row.wall:.4g}', row.ratio, row.remark]
-                for row in PARTS[name](args.runs)]
+        rows = []
+        for row in PARTS[name](args.runs):
+            print(f'{name}: {row.what}: {row.cpu:.4g} s', file=sys.stderr, flush=True)
+            rows.append([row.what, f'{row.cpu:.4g}', f'{row.wall:.4g}', row.ratio, row.remark])
         print(f'\n{name}', table(['', 'CPU s', 'wall s', 'ratio', ''], rows), sep='\n',
               flush=True)
     print(f'\nload average at the end: {os.getloadavg()[0]:.1f}')

@@ -62,6 +62,8 @@ def run(args: argparse.Namespace) -> int:
     if args.workers < 0:
         raise InputError(f'--workers {args.workers}: expected a positive number, or 0 for all')
     if args.output:
+        from hst_drive.fleet.page import fleet_page
+
         check_target(args.output)
     campaigns = find_campaigns(args.place)
     began = time.monotonic()
@@ -75,8 +77,6 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         write_json({'schema': 'hst_drive/fleet/1', 'rows': rows, **_json(summary)}, args.json)
     if args.output:
-        from hst_drive.fleet.page import fleet_page
-
         write_text(fleet_page(f'Fleet: {args.place}', sentence(rows, summary), rows, summary,
                               [f'{len(rows)} campaigns', f'{len(summary.machines)} machines']),
                    args.output)
