@@ -242,7 +242,7 @@ class Supervisor:
 
         """
         if self._ramped_at is None:
-            self._ramped_at, self.command = self.fault.time, max(0.0, command)
+            self._ramped_at, self.command = min(self.fault.time, now), max(0.0, command)
         settings = self.settings
         time = (settings.emergency_stop_time if self.fault.kind == 'emergency_stop'
                 else settings.stop_time)

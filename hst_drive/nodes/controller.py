@@ -211,8 +211,10 @@ class Controller(DriveNode):
             self._follow_ramp(self.now())
 
     def _follow_ramp(self, stamp: int) -> None:
-        self._command = self._watch.ramp(self._seconds(stamp), self._command)
-        self.outputs['pump_command'].publish(stamp, self._command)
+        out = self.outputs['pump_command']
+        before = self._command if out.published else 0.0     # a start command is not yet sent
+        self._command = self._watch.ramp(self._seconds(stamp), before)
+        out.publish(stamp, self._command)
         if str(self._watch.fault) + self._watch.state != self._told:
             self._tell(stamp)
 

@@ -182,6 +182,14 @@ def test_nothing_is_missed_before_the_first_messages():
     assert watch.ramp(100.1, 0.0) == 0.0 and watch.state == 'stopped'
 
 
+def test_a_stop_from_before_the_simulated_time_began_ramps_as_well():
+    watch = Supervisor(SafetySettings())
+    watch.press('topic', True, 1.7e9)
+    assert watch.ramp(1.0, 6.0) == 6.0
+    assert watch.ramp(1.1, 6.0) == pytest.approx(6.0 - 10.0 * 0.1 / 0.3)
+    assert watch.ramp(1.3, 6.0) == 0.0
+
+
 @pytest.mark.parametrize('bad', [{'stop_time': 0.0}, {'speed_limit': -1.0},
                                  {'feedback_timeout': math.nan}, {'bad_readings': 0}])
 def test_settings_that_make_no_sense(bad):
