@@ -62,10 +62,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     best = search.run()
     left = search.unexplained(best)
-    remaining = unknowns.describe(campaign, best.fit) if left else None
+    remaining = unknowns.describe(campaign, best.fit, sure=True) if left else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
-        remaining = unknowns.describe(campaign, best.fit)
+        remaining = unknowns.describe(campaign, best.fit, sure=True)
     order = _order(search, best)
     rivals = {name: _rivals(search, best, name) for name in order}
     ladder = _ladder(campaign, search, best, order)

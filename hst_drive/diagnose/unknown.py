@@ -34,9 +34,19 @@ class Carried(NamedTuple):
     score: float
 
 
-def describe(campaign: Campaign, model: Fit) -> Unknown | None:
+def describe(campaign: Campaign, model: Fit, *, sure: bool = False) -> Unknown | None:
     """
     Say where the remaining error enters and on what it depends.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The data.
+    model : Fit
+        The best that listed effects can do.
+    sure : bool
+        Whether it is known that something is left: the logs that were fitted may show what the
+        held-out ones do not.
 
     Returns
     -------
@@ -46,8 +56,8 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     """
     ratios = campaign.ratios(model.errors, True)
     place = locate(campaign, model)
-    if place is None or all(value**2 <= CLEAN_RATIO**2 + campaign.scatter(name)
-                            for name, value in ratios.items()):
+    if place is None or not sure and all(value**2 <= CLEAN_RATIO**2 + campaign.scatter(name)
+                                         for name, value in ratios.items()):
         return None
     data = samples(campaign, model, place, *sizes(campaign, model, place))
     depends = depends_on(data)
