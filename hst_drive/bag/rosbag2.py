@@ -155,7 +155,7 @@ def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> list[Stream]:
     try:
         with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as base:
             return _query(base, wanted)
-    except (sqlite3.Error, MemoryError, OverflowError, TypeError) as error:
+    except (sqlite3.Error, MemoryError, OverflowError, TypeError, UnicodeDecodeError) as error:
         raise InputError(f'{path}: damaged or no sqlite3 bag ({error})') from None
 
 
