@@ -91,7 +91,8 @@ def diagnosis(runs: int) -> Iterator[Row]:
         count = cases.candidates(logs)
         found = timed(lambda logs=logs: cases.diagnosed(logs), runs)
         first = first or found[0]
-        yield Row(f'4 logs x {seconds:g} s, {len(effects) or "no"} effect, {count} candidates',
+        without = f', without {" and ".join(channels)}' if channels else ''
+        yield Row(f'4 logs x {seconds:g} s, {len(effects)} effects, {count} candidates{without}',
                   *found, f'{found[0] / first:.2f} x the first')
 
 

@@ -13,6 +13,7 @@ from hst_drive.units import for_people
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
 _WIDTH, _HEIGHT, _EDGE = 320, 130, 14
+_MOST_FIGURES = 60
 
 
 def fleet_page(title: str, sentence: str, rows: Sequence[dict], summary: Summary,
@@ -60,14 +61,16 @@ def _trends(summary: Summary) -> Markup:
         rows.append([trend.machine, f'{trend.effect}.{trend.parameter}', trend.direction, slope,
                      f'{low:.3g} to {high:.3g}', f'{unit} a year', len(trend.points)])
     figures = [element('figure', element('figcaption', f'{trend.machine}: {trend.effect} '
-                                         f'{trend.direction}'), _figure(trend))
-               for trend in listed]
+                                         f'{trend.direction}'), _figure(trend),
+                       style='margin: 0 1rem 1rem 0')
+               for trend in listed[:_MOST_FIGURES]]
     return section(
         'trends', 'Over time',
         note('Median slope of all pairs (Theil and Sen) with its 95 % interval; steady: the '
              'interval holds zero.'),
         table(['machine', 'effect', '', 'slope', '95 % interval', 'unit', 'campaigns'], rows,
-              'Trends'), *figures)
+              'Trends'),
+        element('div', *figures, style='display: flex; flex-wrap: wrap'))
 
 
 def _figure(trend: Trend) -> Markup:
@@ -97,7 +100,8 @@ def _figure(trend: Trend) -> Markup:
     axis = element('line', x1=_EDGE, x2=_WIDTH - _EDGE, y1=y(bottom), y2=y(bottom),
                    stroke='#d0d7de')
     return element('svg', axis, *marks, *texts, viewBox=f'0 0 {_WIDTH} {_HEIGHT}', width=_WIDTH,
-                   height=_HEIGHT, role='img', aria_label=f'{trend.effect} over time')
+                   height=_HEIGHT, role='img',
+                   aria_label=f'{trend.machine}: {trend.effect} over time')
 
 
 def _outliers(summary: Summary) -> Markup:

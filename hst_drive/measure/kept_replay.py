@@ -29,6 +29,7 @@ class KeptReplay(Replay):
     def __init__(self, run, drive: Drive):
         self._kept: list[tuple[tuple, np.ndarray, dict[str, np.ndarray]]] = []
         self._keeping = False
+        self._load: tuple = ((), None, None)    # of the measured speed
         self._whole = {name: filled(run[name]) for name in SIGNALS if name in run}
         super().__init__(run, drive)
 
@@ -41,7 +42,7 @@ class KeptReplay(Replay):
                   commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
         if not self._keeping:
             return super()._simulate(drive, disturbance, commands)
-        key = (id(drive), self._held, drive.parameters.tobytes(), drive.switches.tobytes())
+        key = self._key(drive)
         for known, added, signals in self._kept:
             if known == key and np.array_equal(added, disturbance):
                 return dict(signals)
@@ -51,6 +52,18 @@ class KeptReplay(Replay):
         signals = {name: np.array(values) for name, values in signals.items() if name in wanted}
         self._kept = [*self._kept[1 - _KEEP:], (key, disturbance, signals)]
         return dict(signals)
+
+    def _key(self, drive: Drive) -> tuple:
+        return id(drive), self._held, drive.parameters.tobytes(), drive.switches.tobytes()
+
+    def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
+        if speed is not None:
+            return super()._load_model(drive, speed)
+        key, speed, load = self._load
+        if speed is not self._speed or key != self._key(drive):
+            load = super()._load_model(drive)
+            self._load = self._key(drive), self._speed, load
+        return load
 
     def _powers_of_roughness(self, drive: Drive, seed: int,
                              count: np.ndarray | None) -> Iterator[dict[str, float]]:
