@@ -38,7 +38,7 @@ def log(run, tmp_path_factory):
 
 def command(capsys, *arguments):
     """Return exit code, standard output and standard error."""
-    code = cli.cli.main(['compare', *map(str, arguments)])
+    code = cli.main(['compare', *map(str, arguments)])
     return code, *capsys.readouterr()
 
 
