@@ -27,6 +27,7 @@ from scipy.ndimage import gaussian_filter1d
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
 EVENTS = 0.07           # share of the blocks that single events may spoil
+_SLOW_EVENTS = 0.35     # the same where rows miss what the controller does about them
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
@@ -100,6 +101,8 @@ class Campaign:
         self.drive = self._model()
         self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
+        if self._slow():
+            self.events = _SLOW_EVENTS
         self.floors = [self._floor(replay) for replay in self.replays]
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
@@ -155,8 +158,10 @@ class Campaign:
                     variance += span * 2 * share**2 * 2 * replay.roughness.time_constant
         chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
         # What a slow record does not show of commands and load shakes the replay, too.
-        slow = any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
-        return chance + (_SLOW_SCATTER if slow else 0.0)
+        return chance + (_SLOW_SCATTER if self._slow() else 0.0)
+
+    def _slow(self) -> bool:
+        return any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
 
     @staticmethod
     def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:

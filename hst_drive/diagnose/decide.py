@@ -19,6 +19,7 @@ from hst_drive.diagnose.result import (
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
 
@@ -55,6 +56,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     """
     progress('calibrating the unit')
     campaign = campaign_of(rig, runs, holdout)
+    if not campaign.ratios(campaign.errors(Model()), True):
+        sources = ', '.join(run.source for run in (*runs, *holdout))
+        raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
+                         'record at least 10 s, better a minute')
     names = campaign.candidates()
     search = Search(campaign, [], progress)
     seen = visibility(campaign, search.base, names)

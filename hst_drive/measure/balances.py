@@ -14,6 +14,7 @@ _TORQUES = ('motor_torque', 'load_torque')
 _SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.1         # mean squared step over variance: more is no record of a motion
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
+FIXED_PUMP = 'pump.max_displacement_cc_rev'
 
 
 class Balance(NamedTuple):
@@ -40,7 +41,7 @@ BALANCES: tuple[Balance, ...] = (
             ('pump.displacement_vs_command',)),
     Balance('pump flow', ('motor_inlet_flow',),
             (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'),
-             ('pump_command', 'pump_displacement', 'pump.max_displacement_cc_rev')), ()),
+             ('pump_command', 'pump_displacement', FIXED_PUMP)), ()),
     Balance('hydromotor flow', ('motor_inlet_flow',), (PRESSURES, ('motor_speed',)),
             ('motor.displacement_cc_rev',)),
     Balance('hydromotor speed', ('motor_speed',), (PRESSURES, ('motor_inlet_flow',)),
@@ -92,6 +93,9 @@ def _missing(balance: Balance, run: Run, rig: Rig) -> list[str]:
 
 def _given(rig: Rig, key: str) -> bool:
     section, _, name = key.partition('.')
+    if key == FIXED_PUMP and _given(rig, 'pump.displacement_vs_command'):
+        # A pump that can be set stands anywhere: only its command, or its stroke, says where.
+        return False
     return getattr(rig, section) is not None and (not name or name in getattr(rig, section).given)
 
 
