@@ -192,9 +192,9 @@ def _check_power(bench: Bench) -> None:
     """Refuse a table whose motors give more than they take: a column or unit is another."""
     ratio = bench.load_torque * bench.speed / (bench.pressure * bench.flow)
     middle = float(np.median(ratio))
-    if not 0.02 < middle < 1.03:
-        torque = np.median(bench.load_torque / (bench.pressure * bench.displacement))
-        flow = np.median(bench.displacement * bench.speed / bench.flow)
+    torque = np.median(bench.load_torque / (bench.pressure * bench.displacement))
+    flow = np.median(bench.displacement * bench.speed / bench.flow)
+    if not 0.02 < middle < 1.03 or torque > 1.03 or flow > 1.03:
         raise InputError(
             f'{bench.source}: shaft power is {middle:.3g} times the hydraulic power in the median '
             f'row {bench.lines[np.argsort(ratio)[len(ratio) // 2]]} (torque/(P D) = {torque:.3g}, '

@@ -136,7 +136,11 @@ class Answers:
 
     def _fit(self, content: dict) -> dict:
         model = read_model(content.get('model'))
-        locked = [tuple(entry) for entry in content.get('locked', []) if len(entry) == 2]
+        locked = content.get('locked', [])
+        if not (isinstance(locked, list) and all(
+                isinstance(entry, list) and len(entry) == 2 for entry in locked)):
+            raise InputError(f'fit: locked is {locked!r}, expected pairs of effect and parameter')
+        locked = [(str(effect), str(parameter)) for effect, parameter in locked]
         if not model.effects and not content.get('unit'):
             raise InputError('fit: no effect is on; switch one on, or let the unit be calibrated')
         return self._begin('fit', lambda progress: self.bench.fit(

@@ -166,6 +166,7 @@ def test_a_rig_with_effects_starts_with_them_on(files, tmp_path):
     ('errors', {}, 'expected a mapping'),
     ('log', {'model': {}, 'log': 7}, 'expected 0 to 1'),
     ('fit', {'model': {}}, 'no effect is on'),
+    ('fit', {'model': {}, 'locked': [1]}, 'expected pairs'),
     ('save', {'model': {}, 'name': '../rig.yaml'}, 'without a folder'),
     ('save', {'model': {}, 'name': '/etc/rig.yaml'}, 'without a folder'),
     ('save', {'model': {}, 'name': 'rig.py'}, 'ending in .yaml'),

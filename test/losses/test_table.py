@@ -1,0 +1,36 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A bench table that no motor can have measured."""
+from hst_drive.effects.oil import viscosity
+from hst_drive.errors import InputError
+from hst_drive.losses.table import bench_of, COLUMNS
+import numpy as np
+import pytest
+
+# A motor of 10 cc/rev that loses a tenth of the flow and of the torque.
+DISPLACEMENT, PRESSURE = 10e-6 / (2 * np.pi), np.linspace(60e5, 180e5, 12)
+SPEED = np.tile([80.0, 120.0], 6)
+GOOD = {'motor_displacement': np.full(12, DISPLACEMENT), 'oil_temperature': np.full(12, 325.0),
+        'load_torque': 0.9 * PRESSURE * DISPLACEMENT, 'motor_speed': SPEED,
+        'supply_pressure': PRESSURE, 'supply_flow': SPEED * DISPLACEMENT / 0.9}
+
+
+def read(columns):
+    assert set(columns) == set(COLUMNS)
+    return bench_of(columns, {name: name for name in columns}, np.arange(12) + 2, {}, 'bench.csv',
+                    lambda kelvin: viscosity(kelvin, 'ISO VG 46'))
+
+
+def test_a_possible_table_is_read():
+    assert len(read(GOOD)) == 12
+
+
+@pytest.mark.parametrize('change', [
+    {'load_torque': GOOD['motor_speed'], 'motor_speed': GOOD['load_torque']},
+    {'supply_flow': 0.85 * GOOD['supply_flow']},
+    {'load_torque': 1.2 * GOOD['load_torque']},
+], ids=['torque and speed swapped', 'less flow than the motor takes', 'more torque than P D'])
+def test_more_than_the_oil_brings_is_refused(change):
+    """Each efficiency counts alone: losses of the one must not hide gains of the other."""
+    with pytest.raises(InputError, match='bench.csv: .*check the units'):
+        read({**GOOD, **change})
