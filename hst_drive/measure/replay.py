@@ -225,7 +225,22 @@ class Replay:
         return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
 
     def _signal_noise(self, name: str, values: np.ndarray, drive: Drive) -> float:
-        return max(noise_std(values), self._step(name, drive))
+        low, high = self._at_ends(name, drive)
+        # A reading that stands at the end of its range shows no noise.
+        moving = np.where(low | high, np.nan, values)
+        if np.mean(np.isfinite(moving)) < 0.5 * np.mean(np.isfinite(values)):
+            moving = values
+        return max(noise_std(moving), self._step(name, drive))
+
+    def _at_ends(self, name: str, drive: Drive,
+                 rows: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+        """Say where a reading stands at the lower and at the upper end of its sensor's range."""
+        measured, sensor = self.run[name][rows], drive.rig.sensors.get(name)
+        if sensor is None or not sensor.range:
+            return np.zeros((2, len(measured)), dtype=bool)
+        low, high = sensor.range
+        near = 0.51 * sensor.resolution + 1e-9 * (high - low)
+        return np.abs(measured - low) <= near, np.abs(measured - high) <= near
 
     def _unexplained(self, drive: Drive) -> np.ndarray:
         return np.where(self._turning, self._measured - self._load_model(drive), 0.0)
@@ -295,13 +310,11 @@ class Replay:
     def _as_read(self, name: str, model: np.ndarray, drive: Drive,
                  rows: slice = slice(None)) -> np.ndarray:
         """Hold the model at the end of the sensor's range where the reading stands there."""
-        sensor = drive.rig.sensors.get(name)
-        if sensor is None or not sensor.range:
+        measured, (low, high) = self.run[name][rows], self._at_ends(name, drive, rows)
+        if not (low.any() or high.any()):
             return model
-        measured, (low, high) = self.run[name][rows], sensor.range
-        near = 0.51 * sensor.resolution + 1e-9 * (high - low)
-        model = np.where(np.abs(measured - low) <= near, np.maximum(model, measured), model)
-        return np.where(np.abs(measured - high) <= near, np.minimum(model, measured), model)
+        model = np.where(low, np.maximum(model, measured), model)
+        return np.where(high, np.minimum(model, measured), model)
 
     def floor(self, drive: Drive, seed: int = 0,
               count: np.ndarray | None = None) -> dict[str, float]:

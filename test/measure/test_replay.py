@@ -158,3 +158,16 @@ def test_a_reading_at_the_end_of_its_range_says_there_or_beyond():
         assert np.all((seen[100:120] == low) == below)
         assert np.all((seen[200:220] == high) == above)
         assert np.all(np.delete(seen, np.r_[100:120, 200:220]) == model)
+
+
+def test_a_reading_at_the_end_of_its_range_shows_no_noise():
+    """A third of the pressure record stands at zero; what moves still tells the noise."""
+    run = record(23, duration=12.0)
+    pressure = run['pump_outlet_pressure'].copy()
+    for start in (200, 600, 1000):
+        pressure[start:start + 130] = 0.0
+    clipped = Run(run.name, run.time, {**run.channels, 'pump_outlet_pressure': pressure},
+                  run.source)
+    stated = RIG.sensors['pump_outlet_pressure'].noise_std
+    assert Replay(clipped, Drive(RIG)).noise['pump_outlet_pressure'] == pytest.approx(
+        stated, rel=0.2)
