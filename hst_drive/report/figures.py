@@ -20,6 +20,8 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
     """
     Draw measured and modelled signals of one log, the error under each, into a PNG or PDF.
 
+    With the pump command below this is what Fig. 5 of the drill-drive paper shows.
+
     Raises
     ------
     InputError
@@ -28,9 +30,10 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
     """
     pyplot = load_pyplot()
     names = list(log.signals)
-    heights = [height for _ in names for height in (2.0, 1.0)]
+    commanded = 'pump_command' in log.run
+    heights = [height for _ in names for height in (2.0, 1.0)] + [1.3] * commanded
     figure, axes = pyplot.subplots(
-        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.8 * len(names)),
+        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.8 * len(names) + 0.8 * commanded),
         gridspec_kw={'height_ratios': heights, 'hspace': 0.12}, squeeze=False)
     for index, name in enumerate(names):
         channel, errors = CHANNELS[name], log.signals[name]
@@ -50,11 +53,16 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
         spread = np.nanmax(np.abs(difference_from_si(model - measured, channel.display)))
         bottom.set_ylim(-1.05 * max(spread, 2 * floor), 1.05 * max(spread, 2 * floor))
         bottom.set_ylabel(f'error\n[{channel.display}]', fontsize=6.5)
-        for axis in (top, bottom):
-            for span in log.judged.left_out:
-                axis.axvspan(span.start, span.end, color=LEFT_OUT, zorder=0, lw=0)
-            axis.tick_params(labelsize=7)
-            axis.grid(alpha=0.25, lw=0.4)
+    if commanded:
+        unit = CHANNELS['pump_command'].display
+        axes[-1, 0].plot(log.run.time, from_si(log.run['pump_command'], unit), color=MEASURED,
+                         lw=0.7)
+        axes[-1, 0].set_ylabel(f'pump command\n[{unit}]', fontsize=6.5)
+    for axis in axes[:, 0]:
+        for span in log.judged.left_out:
+            axis.axvspan(span.start, span.end, color=LEFT_OUT, zorder=0, lw=0)
+        axis.tick_params(labelsize=7)
+        axis.grid(alpha=0.25, lw=0.4)
     shaded = 'grey: twice the floor' + ('; yellow: left out' if log.judged.left_out else '')
     axes[0, 0].set_title(f'{log.run.name}: measured and model ({shaded})', fontsize=9, loc='left')
     axes[0, 0].legend(loc='lower right', bbox_to_anchor=(1, 1.0), ncol=2, fontsize=7,

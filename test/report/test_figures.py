@@ -53,7 +53,8 @@ def test_every_axis_says_its_unit(log, tmp_path, monkeypatch):
     monkeypatch.setattr(pyplot, 'close', figures.append)
     comparison_figure(log, tmp_path / 'a.png')
     labels = [axis.get_ylabel() for axis in figures[0].axes]
-    assert len(labels) == 2 * len(log.signals)
+    assert len(labels) == 2 * len(log.signals) + 1
+    assert labels.pop() == 'pump command\n[V]'
     for top, bottom in zip(labels[::2], labels[1::2]):
         unit = top.partition('\n')[2]
         assert unit.startswith('[') and bottom == f'error\n{unit}'
