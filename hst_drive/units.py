@@ -63,6 +63,7 @@ UNITS: dict[str, Unit] = {
     'm^3/(s.Pa)': Unit('m^3/(s.Pa)', 1.0), 'L/min/bar': Unit('m^3/(s.Pa)', 1e-5 / 60e3),
     'N.m.s/rad': Unit('N.m.s/rad', 1.0), 'N.m.s^2/rad^2': Unit('N.m.s^2/rad^2', 1.0),
     'N.m/rad': Unit('N.m/rad', 1.0), 'rad/(N.m)': Unit('rad/(N.m)', 1.0),
+    '1/rad^2': Unit('1/rad^2', 1.0),
     'V.s/rad': Unit('V.s/rad', 1.0), 'V/rad': Unit('V/rad', 1.0),
     'V/s': Unit('V/s', 1.0), '1/Pa': Unit('1/Pa', 1.0), '1/bar': Unit('1/Pa', 1e-5),
     'm^3/(rad.s)': Unit('m^3/(rad.s)', 1.0), 'cc/rev/s': Unit('m^3/(rad.s)', 1e-6 / _REV),
