@@ -3,6 +3,7 @@
 """A node of ours as a managed node: the states of ROS 2's lifecycle."""
 from __future__ import annotations
 
+import functools
 import traceback
 
 from hst_drive.errors import InputError
@@ -20,12 +21,14 @@ def managed(node_class):
     * activate: the endpoints open; no topic of ours exists in another state. Each activation
       begins afresh.
     * deactivate: the node ends its work as at its end (the controller goes to 0 V first) and
-      closes the endpoints.
+      closes the endpoints. A timer or message that was due in that very moment is dropped.
     * an exception in a transition is logged, what is open is closed, the node is unconfigured.
     """
     class Managed(LifecycleNodeMixin, node_class):
+        _opening = 0    # which one it is; 0: none
 
         def __init__(self):
+            self._openings = 0
             node_class.__init__(self)
             self._opened_before: set | None = None
             self._fresh = False
@@ -55,6 +58,8 @@ def managed(node_class):
                 self.configure()
             self._fresh = False
             self._opened_before = self._endpoints()
+            self._openings += 1
+            self._opening = self._openings
             try:
                 self.activate()
             except BaseException:
@@ -68,10 +73,29 @@ def managed(node_class):
             try:
                 self.deactivate()
             finally:
+                self._opening = 0
                 for kind, entity in self._endpoints() - before:
                     getattr(self, f'destroy_{kind}')(entity)
                 self.outputs.clear()
                 self.inputs.clear()
+
+        def create_timer(self, period, callback, *args, **options):
+            return super().create_timer(period, self._while_open(callback), *args, **options)
+
+        def create_subscription(self, kind, topic, callback, *args, **options):
+            return super().create_subscription(kind, topic, self._while_open(callback), *args,
+                                               **options)
+
+        def _while_open(self, callback):
+            """Guard what belongs to an opening: the executor may hold it ready beyond the end."""
+            opening = self._opening
+
+            @functools.wraps(callback)
+            def call(*args):
+                if opening == self._opening:
+                    return callback(*args)
+
+            return call if opening else callback
 
         def _endpoints(self) -> set:
             return {(kind, entity) for kind in _KINDS for entity in getattr(self, f'{kind}s')}

@@ -111,6 +111,29 @@ def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path)
     assert {'/drive/pump_command', '/drive/motor', '/drive/speed_setpoint'} <= topics
 
 
+def test_what_was_due_when_a_node_closed_is_dropped():
+    """The executor may hold a timer of which the node knows no more."""
+    from hst_drive.nodes.lifecycle import managed as managed_class
+    from hst_drive.nodes.load_profile import LoadProfile
+    rclpy.init()
+    try:
+        late = managed_class(LoadProfile)()
+        late.trigger_configure()
+        late.trigger_activate()
+        late.started()
+        due = [timer.callback for timer in late.timers]
+        late._count = 0
+        due[-1]()
+        assert late._count == 1
+        late.trigger_deactivate()
+        for callback in due:
+            callback()
+        assert late._count == 1
+        late.destroy_node()
+    finally:
+        rclpy.shutdown()
+
+
 def test_the_manager_names_the_node_that_is_not_there():
     done = subprocess.run(
         [sys.executable, '-m', 'hst_drive.nodes.manager', '--ros-args', '-p', 'nodes:=[plant]',
