@@ -12,8 +12,10 @@ from hst_drive.resources import share
 import numpy as np
 import pytest
 
+from .verbs import calls_of
 from ..measure.synthetic import record
 
+command, refused = calls_of('compare')
 SUMMARY = {'unit': str, 'samples': int, 'rmse': float, 'bias': float, 'max_abs': float,
            'noise_std': float, 'floor': float, 'noise_ratio': float, 'russell': dict}
 REGION = {'signal': str, 'variable': str, 'low': float, 'high': float, 'unit': str,
@@ -34,20 +36,6 @@ def log(run, tmp_path_factory):
     path = tmp_path_factory.mktemp('logs') / 'run.csv'
     write_csv(path, run)
     return path
-
-
-def command(capsys, *arguments):
-    """Return exit code, standard output and standard error."""
-    code = cli.main(['compare', *map(str, arguments)])
-    return code, *capsys.readouterr()
-
-
-def refused(capsys, *arguments):
-    """Return the one line with which wrong input is refused."""
-    code, out, err = command(capsys, *arguments)
-    assert code == 2 and not out
-    assert err.count('\n') == 1 and err.startswith('hst-drive: ') and 'Traceback' not in err
-    return err
 
 
 def check(content, schema):

@@ -3,14 +3,15 @@
 """The verb losses: its JSON, its pictures, its rig file, its inputs good and bad."""
 import json
 
-from hst_drive import cli
 from hst_drive.rig import load_rig
 import numpy as np
 import pytest
 
+from .verbs import calls_of
 from ..losses import generator
 from ..losses.tables import bench_from, SHARED
 
+command, refused = calls_of('losses')
 MOTORS = SHARED / 'bench' / 'motors.csv'
 RPM = np.pi / 30
 RECIPE = generator.Recipe(sizes_cc=(16.0, 23.0), temperatures_degc=(45.0, 60.0),
@@ -28,20 +29,6 @@ def rows():
 def bench(rows, tmp_path):
     """Return it as a file."""
     return generator.write(tmp_path / 'bench.csv', rows)
-
-
-def command(capsys, *arguments):
-    """Return exit code, standard output and standard error."""
-    code = cli.main(['losses', *map(str, arguments)])
-    return code, *capsys.readouterr()
-
-
-def refused(capsys, *arguments):
-    """Return the one line with which wrong input is refused."""
-    code, out, err = command(capsys, *arguments)
-    assert code == 2 and not out
-    assert err.count('\n') == 1 and err.startswith('hst-drive: ') and 'Traceback' not in err
-    return err
 
 
 def test_json_holds_all_parts(bench, rows, tmp_path, capsys):

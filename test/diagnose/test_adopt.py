@@ -4,7 +4,6 @@
 import copy
 import json
 
-from hst_drive import cli
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.errors import InputError
 from hst_drive.model import Drive
@@ -16,6 +15,9 @@ from hst_drive.rig.load import read_yaml
 import pytest
 import yaml
 
+from ..cli.verbs import calls_of
+
+run, refused = calls_of('adopt')
 RIG = share('config', 'rig', 'test_rig.yaml')
 FOUND = {'bearing_friction': {'coulomb': (13.0, 11.5, 14.5, 'N.m'),
                               'load_share': (0.02, 0.01, 0.03, '1')},
@@ -43,20 +45,6 @@ def written(tmp_path):
     path = tmp_path / 'diagnosis.json'
     path.write_text(json.dumps(diagnosis()))
     return path
-
-
-def run(capsys, *arguments):
-    """Return exit code, standard output and standard error."""
-    code = cli.main(['adopt', *map(str, arguments)])
-    return code, *capsys.readouterr()
-
-
-def refused(capsys, *arguments):
-    """Return the one line with which wrong input is refused."""
-    code, out, err = run(capsys, *arguments)
-    assert code == 2 and not out
-    assert err.count('\n') == 1 and 'Traceback' not in err
-    return err
 
 
 def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
