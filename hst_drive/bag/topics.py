@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hst_drive.errors import InputError
 from hst_drive.units import from_si, to_si
 
 NAMESPACE = '/drive'
@@ -210,27 +209,6 @@ STANDARD_UNITS: dict[tuple[str, str], tuple[str, bool]] = {
     (JOINT_STATE, 'effort'): ('N.m', False),
 }
 """Unit of a standard message's field as its definition fixes it, and whether it is absolute."""
-
-
-def channel_names() -> tuple[str, ...]:
-    """Return the channels that a bag may carry, in the order of the table."""
-    return tuple(CHANNEL_FIELDS)
-
-
-def topic_of(channel: str) -> tuple[Topic, Field]:
-    """
-    Return topic and field that carry a channel.
-
-    Raises
-    ------
-    InputError
-        If no topic carries it.
-
-    """
-    if channel not in CHANNEL_FIELDS:
-        raise InputError(f'no topic carries the channel {channel!r}; '
-                         f'known: {", ".join(CHANNEL_FIELDS)}')
-    return CHANNEL_FIELDS[channel]
 
 
 def markdown() -> str:
