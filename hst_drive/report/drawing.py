@@ -7,6 +7,11 @@ from pathlib import Path
 
 from hst_drive.errors import InputError
 
+# Okabe and Ito's colours, told apart by colour-blind readers, without yellow, which is too light
+# for lines.
+BLUE, VERMILION, BLACK = '#0072B2', '#D55E00', '#000000'
+COLOURS = (BLUE, VERMILION, '#009E73', '#CC79A7', BLACK, '#56B4E9', '#E69F00')
+
 
 def load_pyplot():
     """

@@ -7,12 +7,11 @@ from pathlib import Path
 
 from hst_drive.measure.compare import LogComparison
 from hst_drive.measure.run import CHANNELS
-from hst_drive.report.drawing import load_pyplot, save
+from hst_drive.report.drawing import BLACK, BLUE, load_pyplot, save, VERMILION
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
 
-# Okabe and Ito's colours, told apart by colour-blind readers.
-MEASURED, MODEL, RESIDUAL = '#000000', '#D55E00', '#0072B2'
+MEASURED, MODEL, RESIDUAL = BLACK, VERMILION, BLUE
 LEFT_OUT = '#F7F3C8'
 
 

@@ -8,12 +8,10 @@ from typing import Sequence
 
 from hst_drive.diagnose.result import Step
 from hst_drive.measure.run import CHANNELS
-from hst_drive.report.drawing import load_pyplot, save
+from hst_drive.report.drawing import COLOURS, load_pyplot, save
 import numpy as np
 
-# Okabe and Ito's colours without yellow, which is too light for lines; marks differ as well.
-_COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#000000', '#56B4E9', '#E69F00')
-_MARKS = 'osDv^P<>'
+_MARKS = 'osDv^P<>'     # one more than colours, so that a pair comes again late
 _TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
@@ -47,7 +45,7 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
     places = np.arange(len(steps))
     width = min(0.5 / max(len(names), 1), 0.09)
     for count, name in enumerate(names):
-        colour, mark = _COLOURS[count % len(_COLOURS)], _MARKS[count % len(_MARKS)]
+        colour, mark = COLOURS[count % len(COLOURS)], _MARKS[count % len(_MARKS)]
         shifted = places + (count - (len(names) - 1) / 2) * width
         for part, style, face in (('training', ':', 'white'), ('holdout', '-', colour)):
             values = [getattr(step, part).get(name, np.nan) for step in steps]

@@ -11,12 +11,11 @@ from hst_drive.losses.selection import grid
 from hst_drive.losses.study import Study
 from hst_drive.losses.table import VARIABLES
 from hst_drive.losses.trends import quantities_of
-from hst_drive.report.drawing import load_pyplot
+from hst_drive.report.drawing import COLOURS, load_pyplot
 from hst_drive.units import from_si
 import numpy as np
 
-# Okabe and Ito's colours, told apart by colour-blind readers; one per motor.
-COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#000000', '#E69F00', '#56B4E9', '#999999')
+_COLOURS = (*COLOURS, '#999999')     # one per motor
 MARKS = ('o', 's', '^', 'D', 'v', 'P', 'X', '*')
 LINES = ('-', '--', '-.', ':')
 _RESISTANCE = 1e5 * 60e3        # Pa.s/m^3 of 1 bar/(L/min)
@@ -180,7 +179,7 @@ def _curves(axis, bench, labels, level: int, measured: np.ndarray, fitted: np.nd
             rows = rows[np.argsort(bench.speed[rows])]
             if not len(rows):
                 continue
-            colour = COLOURS[k % len(COLOURS)]
+            colour = _COLOURS[k % len(_COLOURS)]
             rpm = from_si(bench.speed[rows], 'rpm')
             axis.plot(rpm, _positive(measured[rows]), MARKS[m % len(MARKS)], color=colour, ms=2.6,
                       mew=0.0, alpha=0.75)
@@ -194,7 +193,7 @@ def _positive(values: np.ndarray) -> np.ndarray:
 def _compared(axis, bench, labels, measured: np.ndarray, fitted: np.ndarray) -> None:
     """Draw the largest motor at the lowest temperature alone, with 2.5 % about the fit."""
     rows = (labels['size'][0] == labels['size'][0].max()) & (labels['temperature'][0] == 0)
-    colour = COLOURS[int(labels['size'][0].max()) % len(COLOURS)]
+    colour = _COLOURS[int(labels['size'][0].max()) % len(_COLOURS)]
     for m in range(labels['load'][0].max() + 1):
         own = np.flatnonzero(rows & (labels['load'][0] == m))
         own = own[np.argsort(bench.speed[own])]
@@ -219,7 +218,7 @@ def _by_temperature(axis, study: Study, labels, name: str, title: str, factor: f
     key = 'torque_loss_share' if name == 'torque_loss' else name
     for k, size in enumerate(study.scales.sizes):
         at = study.operate(speed, load, viscosity, size)
-        axis.plot(from_si(degrees, 'degC'), factor * at[key], color=COLOURS[k % len(COLOURS)],
+        axis.plot(from_si(degrees, 'degC'), factor * at[key], color=_COLOURS[k % len(_COLOURS)],
                   lw=1.2)
     axis.set_title(f'Fig. 27: {title}, {load:.3g} N.m, {from_si(speed, "rpm"):.0f} rpm',
                    fontsize=9)
@@ -227,7 +226,7 @@ def _by_temperature(axis, study: Study, labels, name: str, title: str, factor: f
 
 
 def _legend(figure, pyplot, labels) -> None:
-    motors = [pyplot.Line2D([], [], color=COLOURS[k % len(COLOURS)], lw=2,
+    motors = [pyplot.Line2D([], [], color=_COLOURS[k % len(_COLOURS)], lw=2,
                             label=f'{from_si(size, "cc/rev"):.4g} cc/rev')
               for k, size in enumerate(labels['size'][1])]
     loads = [pyplot.Line2D([], [], color='0.3', marker=MARKS[m % len(MARKS)], ms=4,
