@@ -22,7 +22,7 @@ import math
 import os
 from pathlib import Path
 
-from hst_drive.bag.channels import check_unit, Entry, entry_of, split_header
+from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, split_header
 from hst_drive.bag.csv_log import read_lines, separator_of
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
@@ -143,9 +143,7 @@ def _picks(header: list[str], entries: Mapping[str, Entry], constants: Mapping[s
     used = {place for place, _, _ in picks}
     for index, name in enumerate(names):
         if index not in used:
-            near = get_close_matches(name, QUANTITIES, n=1, cutoff=0.75)
-            notes.append(f'column {name!r} is not known; left out'
-                         + (f' (did you mean {near[0]!r}?)' if near else ''))
+            notes.append(left_out(name, QUANTITIES, 0.75))
     both = [entry.channel for _, entry, _ in picks if entry.channel in constants]
     if both:
         raise InputError(f'{mapped}: constants.{both[0]}: {path} has a column for it; give one')

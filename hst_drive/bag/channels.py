@@ -174,6 +174,13 @@ def split_header(text: str) -> tuple[str, str | None]:
     return name.strip(), unit.rstrip(' ]') if bracket and unit.endswith(']') else None
 
 
+def left_out(name: str, known, cutoff: float) -> str:
+    """Return the note for a column that is not known, with the known name that is near it."""
+    near = get_close_matches(name, known, n=1, cutoff=cutoff)
+    return (f'column {name!r} is not known; left out'
+            + (f' (did you mean {near[0]!r}?)' if near else ''))
+
+
 def _near(word: str, known) -> str:
     near = get_close_matches(word, list(known), n=1)
     return f'; did you mean {near[0]!r}?' if near else '.'

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
-from hst_drive.bag.channels import ChannelMap, check_unit, Entry, split_header
+from hst_drive.bag.channels import ChannelMap, check_unit, Entry, left_out, split_header
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import from_si
@@ -155,9 +155,7 @@ def _picks(header: list[str], channel_map: ChannelMap, path: str,
     used = {column for column, _, _ in picks}
     for column, name in enumerate(names):
         if column not in used:
-            near = get_close_matches(name, CHANNELS, n=1, cutoff=0.8)
-            notes.append(f'column {name!r} is not known; left out'
-                         + (f' (did you mean {near[0]!r}?)' if near else ''))
+            notes.append(left_out(name, CHANNELS, 0.8))
     return picks
 
 
