@@ -15,13 +15,20 @@ if TYPE_CHECKING:
     from hst_drive.rig import Rig
 
 
-def add_log_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare LOG..., --rig and --channels."""
-    parser.add_argument('logs', metavar='LOG', nargs='+',
-                        help='CSV file, rosbag2 folder or .mcap file')
+def add_log_arguments(parser: argparse.ArgumentParser, *, default: str = '') -> None:
+    """Declare LOG..., --rig and --channels; with a default, LOG may be left out."""
+    parser.add_argument('logs', metavar='LOG', nargs='*' if default else '+',
+                        help='CSV file, rosbag2 folder or .mcap file'
+                        + (f' (default: {default})' if default else ''))
     add_rig_argument(parser)
     parser.add_argument('--channels', metavar='MAP.yaml',
                         help='foreign column or topic names, and units, to ours')
+
+
+def add_holdout_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare --holdout."""
+    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
+                        help='judge on this log (repeatable; default: a third of each LOG)')
 
 
 def add_rig_argument(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
+from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_logs, rig_of
 from hst_drive.cli.output import add_json_argument, say, table, write_json
 from hst_drive.units import for_people
 
@@ -25,8 +25,7 @@ HELP = 'say which physical effect the model lacks, how large it is and how sure 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_arguments(parser)
-    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
-                        help='judge on this log (repeatable; default: a third of each LOG)')
+    add_holdout_argument(parser)
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw how the error falls with each effect (.png, .pdf or .svg)')
     add_json_argument(parser)

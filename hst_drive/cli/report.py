@@ -15,7 +15,7 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_log_arguments, read_json, read_logs
+from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_json, read_logs
 from hst_drive.cli.output import (
     add_json_argument, check_target, plain, say, write_json, write_text)
 from hst_drive.errors import InputError
@@ -33,8 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_log_arguments(parser)
     parser.add_argument('-o', '--output', metavar='PAGE.html', default='report.html',
                         help='page to write (default: report.html)')
-    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
-                        help='judge on this log (repeatable; default: a third of each LOG)')
+    add_holdout_argument(parser)
     add_model_arguments(parser)
     choice = parser.add_mutually_exclusive_group()
     choice.add_argument('--diagnosis', metavar='DIAGNOSIS.json',

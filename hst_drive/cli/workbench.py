@@ -13,7 +13,7 @@ import argparse
 from importlib.util import find_spec
 from pathlib import Path
 
-from hst_drive.cli.common import add_rig_argument, read_logs
+from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_logs
 from hst_drive.cli.output import say, write_yaml
 from hst_drive.cli.report import add_model_arguments, model_file
 from hst_drive.errors import InputError
@@ -24,13 +24,8 @@ _PORT = 8765
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument('logs', metavar='LOG', nargs='*',
-                        help='CSV file, rosbag2 folder or .mcap file (default: a sample log)')
-    add_rig_argument(parser)
-    parser.add_argument('--channels', metavar='MAP.yaml',
-                        help='foreign column or topic names, and units, to ours')
-    parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
-                        help='judge on this log (repeatable; default: a third of each LOG)')
+    add_log_arguments(parser, default='a sample log')
+    add_holdout_argument(parser)
     add_model_arguments(parser)
     parser.add_argument('--port', type=int, metavar='N',
                         help=f'port on 127.0.0.1 (default: {_PORT}, or a free one)')
