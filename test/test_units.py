@@ -71,7 +71,7 @@ def test_si_units_are_their_own():
     ('N·m', 'N.m'), ('N*m', 'N.m'), ('N m', 'N.m'), ('°C', 'degC'), ('C', 'degC'),
     ('cm^3/rev', 'cc/rev'), ('cc', 'cc/rev'), ('kft.lbf', 'klbf.ft'), ('MPa', 'MPa'),
     ('ms', 'ms'), ('mV', 'mV'), ('%', '%'), ('', ''), ('-', '1'), ('PSI', 'psi'), ('PSIg', 'psi'),
-    ('m3/s', 'm^3/s'), ('KPA', 'kPa'), ('Rad/S', 'rad/s')])
+    ('m3/s', 'm^3/s'), ('KPA', 'kPa'), ('Rad/S', 'rad/s'), ('l/h', 'L/h')])
 def test_spellings(written, unit):
     assert canonical(written) == unit
 

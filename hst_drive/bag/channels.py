@@ -170,8 +170,20 @@ def check_unit(unit: str, si: str, where: str) -> str:
 
 def split_header(text: str) -> tuple[str, str | None]:
     """Return name and unit, as written, of a column header; None where it names no unit."""
-    name, bracket, unit = text.strip().partition('[')
+    text = text.strip()
+    name, bracket, unit = text.partition('[')
+    if not bracket and text.endswith(')'):
+        name, _, unit = text.partition('(')
+        # What stands in round brackets may as well be a remark, or the number of a copy.
+        return (name.strip(), unit[:-1].strip()) if _is_unit(unit[:-1]) else (text, None)
     return name.strip(), unit.rstrip(' ]') if bracket and unit.endswith(']') else None
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        return canonical(text) not in ('1', '')
+    except UnitError:
+        return False
 
 
 def left_out(name: str, known, cutoff: float) -> str:

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-CSV recordings: one column per channel, ``name[unit]`` in the header.
+CSV recordings: one column per channel, ``name[unit]`` or ``name (unit)`` in the header.
 
 The unit in the header counts. Separators are comma, semicolon (with decimal point or comma) or
 tab; lines that begin with # and empty lines do not count; an empty cell is a missing sample.

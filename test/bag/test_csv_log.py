@@ -56,6 +56,24 @@ def test_the_unit_in_the_header_counts(tmp_path):
     assert run['motor_inlet_flow'][0] == pytest.approx(1e-3)
 
 
+@pytest.mark.parametrize('header', [
+    'time(s),motor_speed(rpm),case_drain_flow(L/h)',
+    'time (s),motor_speed (rpm),case_drain_flow [L/h]',
+    'time [s], motor_speed [1/min], case_drain_flow ( l/h )'])
+def test_units_in_round_brackets_count_too(tmp_path, header):
+    run = read_csv(save(tmp_path, header, [f'{0.1 * i:.1f},60,36' for i in range(20)]))
+    assert run['motor_speed'][0] == pytest.approx(2 * np.pi)
+    assert run['case_drain_flow'][0] == pytest.approx(1e-5)
+
+
+def test_other_words_in_round_brackets_are_part_of_the_name(tmp_path):
+    header = HEADER + ',motor_speed (1),motor_speed (raw)'
+    run = read_csv(save(tmp_path, header, [f'{row},1,2' for row in ROWS]))
+    assert run['motor_speed'][3] == pytest.approx(np.pi / 10)
+    assert any("'motor_speed (1)' is not known" in note for note in run.notes)
+    assert any("'motor_speed (raw)' is not known" in note for note in run.notes)
+
+
 @pytest.mark.parametrize('separator, decimal', [(',', '.'), (';', '.'), (';', ','), ('\t', '.'),
                                                 ('\t', ',')])
 @pytest.mark.parametrize('newline, encoding', [('\n', 'utf-8'), ('\r\n', 'utf-8-sig'),
