@@ -28,7 +28,8 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 ARGUMENTS = {
     'scenario': ('paper_step', 'name of a shipped scenario, or a file', str, 'load_profile'),
-    'log': ('', 'drilling log whose torque is the load', str, 'load_profile'),
+    'log': ('', 'drilling log or recording whose load is drilled', str, 'load_profile'),
+    'channels': ('', 'channel map of the recording', str, 'load_profile'),
     'duration': ('30.0', 'length of the run in s', float, 'plant'),
     'seed': ('1', "seed of the sensors' noise", int, 'plant'),
     'speed': ('0.0', 'in lockstep: times real time; 0: as fast as it goes', float, 'plant'),

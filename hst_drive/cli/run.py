@@ -37,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='the hidden effects act from this time of the run on')
     parser.add_argument('--seed', type=int, help="of the sensors' noise (default: scenario's)")
     parser.add_argument('--duration', metavar='S', type=float, help='end earlier or later')
-    parser.add_argument('--log', metavar='FILE', help='drilling log whose torque is the load')
+    parser.add_argument('--log', metavar='FILE', help='drilling log whose torque is the load, or '
+                        "(scenario 'recorded') a recording: bag or CSV")
+    parser.add_argument('--channels', metavar='MAP.yaml',
+                        help="foreign names of that recording's channels to ours")
     parser.add_argument('--rate', metavar='HZ', type=float, default=100.0,
                         help='samples per second (default: 100)')
     parser.add_argument('--topic', metavar='NAME', action='append', default=[],
@@ -54,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.nodes.runner import execute, RunFailed
 
     plan = make_plan(Options(
-        args.scenario, args.output, args.realtime, args.speed, args.rig, args.log,
+        args.scenario, args.output, args.realtime, args.speed, args.rig, args.log, args.channels,
         effects=tuple(args.effect), effects_from=args.effects_from, seed=args.seed,
         duration=args.duration, rate=args.rate, topics=tuple(args.topic), truth=args.truth))
     for note in plan.notes:

@@ -3,11 +3,13 @@
 """Scenario files: where the shipped ones are, and reading one with the log it names."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.load.recorded import Recording
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.resources import share
 from hst_drive.rig.load import default_rig
@@ -21,7 +23,8 @@ def shipped_scenarios() -> dict[str, Path]:
 
 
 def load_scenario(source: str | Path, rig: Rig | None = None,
-                  log: str | Path | None = None) -> Scenario:
+                  log: str | Path | None = None, channels: str | Path | None = None,
+                  read: Callable[[Path, Path | None], Recording] | None = None) -> Scenario:
     """
     Load a scenario.
 
@@ -32,7 +35,11 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
     rig : Rig, optional
         Whose loading unit turns torque into a PPRV command; default the shipped test rig.
     log : str or Path, optional
-        Drilling log in place of the one that the scenario names.
+        Drilling log, or recording, in place of the one that the scenario names.
+    channels : str or Path, optional
+        Channel map of the recording, likewise.
+    read : callable, optional
+        Reads a recording from its path and that of a channel map (or None).
 
     Raises
     ------
@@ -45,6 +52,7 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
     rig.require('loading', purpose='the load of a scenario')
 
     asked: list[str | None] = []
+    mapped: list[str | None] = []
 
     def read_text(name: str | None) -> tuple[str, str]:
         asked.append(name)
@@ -58,17 +66,35 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
             raise InputError(f'{place}: cannot be read ({error.strerror}); check the path') \
                 from None
         except UnicodeDecodeError:
-            raise InputError(f'{place}: is not a text file; expected a CSV') from None
+            raise InputError(f'{place}: is not a text file; expected a CSV (a bag is the log of '
+                             "the scenario 'recorded')") from None
+
+    def read_recording(name: str | None, mapping: str | None) -> Recording:
+        asked.append(name)
+        mapped.append(mapping)
+        if log is None and name is None:
+            raise InputError(f"{path}: 'recording.file' is missing; name a recording there or "
+                             'give one with --log')
+        if channels is not None:
+            mapping = channels
+        elif mapping is not None:
+            mapping = path.parent / mapping
+        return read(Path(log) if log is not None else path.parent / name,
+                    Path(mapping) if mapping is not None else None)
 
     try:
         unit = LoadingUnit.of(rig.loading)
     except ValueError as error:
         raise InputError(f'{rig.source or rig.name}: {error}') from None
-    scenario = parse_scenario(read_yaml(path), unit, str(path), read_text)
+    scenario = parse_scenario(read_yaml(path), unit, str(path), read_text,
+                              read_recording if read else None)
     if log is not None and not asked:
-        raise InputError(f"{path}: drills no log (its 'load.kind' is not drilling_log), so --log "
-                         f'{log} would not count; leave it out or choose a scenario that does, '
-                         'e.g. real_log')
+        raise InputError(f"{path}: drills no log (its 'load.kind' is neither drilling_log nor "
+                         f'recorded), so --log {log} would not count; leave it out or choose a '
+                         'scenario that does, e.g. real_log or recorded')
+    if channels is not None and not mapped:
+        raise InputError(f'{path}: plays no recording, so --channels {channels} would not count; '
+                         "leave it out or choose a scenario that does, e.g. 'recorded'")
     return scenario
 
 

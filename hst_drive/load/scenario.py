@@ -12,10 +12,12 @@ from hst_drive.load.load_sections import read_load
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.profile_sections import COMMAND, read_profile, SPEED, TEMPERATURE
 from hst_drive.load.profiles import constant, Profile
+from hst_drive.load.recorded import is_recorded, KIND, Recorded, Recording
 import numpy as np
 
+_PLAYED = ('speed_setpoint', 'oil_temperature', 'pump_command', 'pprv_command', 'load')
 MODES = ('closed_loop', 'open_loop')
-STARTS = ('rest', 'steady')
+STARTS = ('rest', 'steady', KIND)
 
 
 class LoadProfile:
@@ -148,7 +150,9 @@ class Scenario:
 
 
 def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
-                   read_text: Callable[[str | None], tuple[str, str]] | None = None) -> Scenario:
+                   read_text: Callable[[str | None], tuple[str, str]] | None = None,
+                   read_recording: Callable[[str | None, str | None], Recording] | None = None
+                   ) -> Scenario:
     """
     Build a scenario from the mapping of a scenario file (keys carry their unit).
 
@@ -162,6 +166,8 @@ def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
         File, for messages.
     read_text : callable, optional
         Takes the ``file`` of a drilling log (or None) and returns its text and name.
+    read_recording : callable, optional
+        Takes ``file`` and ``channels`` of a recording (or None) and returns it.
 
     Raises
     ------
@@ -177,10 +183,17 @@ def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
     start = keys.choice('start', STARTS, 'rest')
     description = keys.text('description', '')
     effects = _effects(keys)
+    recorded = Recorded(keys.section('recording') if keys.has('recording') else None,
+                        read_recording or _no_recording)
+    if duration is None and any(is_recorded(keys.section(name)) for name in _PLAYED
+                                if isinstance(content.get(name), dict)):
+        duration = recorded.end
 
     def profile(name, what, salt, default=None):
         if not keys.has(name):
             return default
+        if is_recorded(keys.section(name)):
+            return recorded.profile(keys.section(name), name)
         # A drilling log may set the end of the run; random steps then cover an hour.
         return read_profile(keys.section(name), what, duration or 3600.0, seed, salt)
 
@@ -198,24 +211,31 @@ def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
     speed = speed or constant(0.0)
     if keys.has('pprv_command'):
         pprv = profile('pprv_command', COMMAND, 2)
-        load = None
+        torque, notes = None, ()
+    elif is_recorded(keys.section('load')):
+        torque, pprv = recorded.load(keys.section('load'))
+        notes = ()
     else:
-        load = read_load(keys.section('load'), speed, duration, seed, read_text or _no_files)
-        duration = duration or load.end
+        torque, notes, end = read_load(keys.section('load'), speed, duration, seed,
+                                       read_text or _no_files)
+        pprv, duration = None, duration or end
     keys.done()
     if duration is None:
         raise keys.fail('duration_s', 'is missing; add it')
-    if load is None:
-        profile_of_load = LoadProfile(unit, speed, duration, command=pprv, title=title)
-    else:
-        profile_of_load = LoadProfile(unit, speed, duration, torque=load.profile, title=title,
-                                      notes=load.notes)
-    return Scenario(title, duration, seed, mode, start, speed, temperature, profile_of_load,
-                    command, effects, description, source)
+    if start == KIND:
+        start = 'steady' if recorded.turns(speed) else 'rest'
+    load = LoadProfile(unit, speed, duration, torque=torque, command=pprv, title=title,
+                       notes=(*recorded.notes, *notes))
+    return Scenario(title, duration, seed, mode, start, speed, temperature, load, command,
+                    effects, description, source)
 
 
 def _no_files(name: str | None) -> tuple[str, str]:
     raise InputError(f"load.file: '{name}' cannot be read here; pass the log's text")
+
+
+def _no_recording(name: str | None, channels: str | None) -> Recording:
+    raise InputError('recording: cannot be read here; give the scenario profiles of its own')
 
 
 def _effects(keys: Keys) -> dict[str, dict[str, float]]:

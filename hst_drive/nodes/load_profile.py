@@ -12,6 +12,7 @@ from hst_drive.nodes import sync
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile
 from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.sync import SLOW
 from hst_drive.rig import load_rig
 from rosgraph_msgs.msg import Clock
@@ -28,8 +29,10 @@ class LoadProfile(DriveNode):
     role = 'load_profile'
     parameters = (
         Parameter('scenario', 'paper_step', 'name of a shipped scenario, or a file'),
-        Parameter('log', '', 'drilling log whose torque is the load; empty: the one that the '
-                  'scenario names'),
+        Parameter('log', '', 'drilling log, or recording, whose load is drilled; empty: the one '
+                  'that the scenario names'),
+        Parameter('channels', '', 'channel map of the recording; empty: none, or the one that '
+                  'the scenario names'),
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
         Parameter('rate', 100.0, 'messages per second in real time', 'Hz', 1.0, 1000.0),
     )
@@ -38,7 +41,9 @@ class LoadProfile(DriveNode):
         """Load the scenario."""
         settings = self.settings
         rig = load_rig(settings['rig']) if settings['rig'] else None
-        self._scenario = load_scenario(settings['scenario'], rig, settings['log'] or None)
+        self._scenario = load_scenario(
+            settings['scenario'], rig, settings['log'] or None, settings['channels'] or None,
+            read_recording)
         self._start: int | None = None
         self._count = 0
         self._timer = None

@@ -15,6 +15,7 @@ from hst_drive.load import load_scenario, Scenario
 from hst_drive.model import Drive
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import wiring
+from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.settings import effect_texts, parse_effects
 from hst_drive.rig import default_rig, load_rig, Rig
 
@@ -34,8 +35,8 @@ class Options:
         The clock on the wall; else simulated time in lockstep.
     speed : float, optional
         In lockstep, simulated per real second; None: as fast as it goes.
-    rig, log : str, optional
-        Rig file; drilling log in place of the scenario's.
+    rig, log, channels : str, optional
+        Rig file; drilling log or recording in place of the scenario's; its channel map.
     effects : tuple of str
         Hidden in the plant, as ``parse_effects`` reads them.
     effects_from : float
@@ -57,6 +58,7 @@ class Options:
     speed: float | None = None
     rig: str | None = None
     log: str | None = None
+    channels: str | None = None
     effects: tuple[str, ...] = ()
     effects_from: float = 0.0
     seed: int | None = None
@@ -89,7 +91,8 @@ def make_plan(options: Options) -> Plan:
 
     """
     rig = load_rig(options.rig) if options.rig else default_rig()
-    scenario = load_scenario(options.scenario, rig, options.log)
+    scenario = load_scenario(options.scenario, rig, options.log, options.channels,
+                             read_recording)
     duration = scenario.duration if options.duration is None else options.duration
     seed = scenario.seed if options.seed is None else options.seed
     for name, value, low, high in (
@@ -106,14 +109,15 @@ def make_plan(options: Options) -> Plan:
     _refuse_unwritable(output)
     effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
     wiring.readings(options.topics)
-    rig_file = str(Path(options.rig).resolve()) if options.rig else ''
+    rig_file = _absolute(options.rig)
     source = Path(scenario.source)
     common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES),
               'lookahead': not options.realtime and not options.speed}
     extra = {'extra_topics': list(options.topics) or [''], 'truth': options.truth}
     start = _start(rig, {} if options.effects_from else effects, scenario)
     law = rig.controller
-    notes = {'scenario': options.scenario, 'seed': seed, 'rig': rig.name,
+    notes = {'scenario': options.scenario, 'log': options.log or '', 'seed': seed,
+             'rig': rig.name,
              'effects': ' '.join(effect_texts(effects)), 'effects_from': options.effects_from}
     parameters = {
         'plant': {**common, **extra, 'rig': rig_file, 'seed': seed, 'rate': float(options.rate),
@@ -123,7 +127,8 @@ def make_plan(options: Options) -> Plan:
                   'start_speed': start[0], 'start_pprv_command': start[1]},
         'load_profile': {**common, 'scenario': str(source.resolve()), 'rig': rig_file,
                          'rate': float(options.rate),
-                         'log': str(Path(options.log).resolve()) if options.log else ''},
+                         'log': _absolute(options.log),
+                         'channels': _absolute(options.channels)},
         'controller': {**common, 'mode': scenario.mode, 'kp': law.kp, 'ki': law.ki,
                        'sample_time': law.sample_time, 'u_clamp_min': law.output_limits[0],
                        'u_clamp_max': law.output_limits[1], 'start_command': start[2]},
@@ -134,6 +139,10 @@ def make_plan(options: Options) -> Plan:
     }
     return Plan(parameters=parameters, output=output, duration=duration, notes=scenario.notes,
                 title=scenario.title, closed_loop=scenario.mode == 'closed_loop')
+
+
+def _absolute(path: str | None) -> str:
+    return str(Path(path).resolve()) if path else ''
 
 
 def _refuse_unwritable(folder: Path) -> None:
