@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 from hst_drive.cli.common import add_rig_argument, read_json
-from hst_drive.cli.output import say, write_yaml
+from hst_drive.cli.output import add_force_argument, refuse_to_replace, say, write_yaml
 from hst_drive.errors import InputError
 
 HELP = 'write the rig with the effects that a diagnosis found'
@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='rig file to write')
     parser.add_argument('--formula', action='store_true',
                         help="where something stayed unknown: adopt the diagnosis' formula for it")
-    parser.add_argument('--force', action='store_true', help='replace RIG.yaml if it exists')
+    add_force_argument(parser, 'RIG.yaml')
     add_rig_argument(parser)
 
 
@@ -37,7 +37,8 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.rig.yaml_file import read_yaml
 
     rig_file = args.rig or str(default_rig_file())
-    _refuse_to_replace(args, rig_file)
+    _refuse_inputs(args, rig_file)
+    refuse_to_replace(args.output, args.force)
     diagnosis = read_json(args.diagnosis)
     rig = read_yaml(rig_file)
     adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula)
@@ -50,8 +51,8 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _refuse_to_replace(args: argparse.Namespace, rig_file: str) -> None:
-    """Raise InputError if the output would take the place of a file that may be wanted."""
+def _refuse_inputs(args: argparse.Namespace, rig_file: str) -> None:
+    """Raise InputError if the output would take the place of what it is made of."""
     target = Path(args.output)
     if not target.is_file():
         return      # a new file, '-' or a pipe; what cannot be written is told when it is written
@@ -60,6 +61,3 @@ def _refuse_to_replace(args: argparse.Namespace, rig_file: str) -> None:
                          'that both can be compared')
     if Path(args.diagnosis).exists() and target.samefile(args.diagnosis):
         raise InputError(f'{target}: is the diagnosis itself; choose another name')
-    if not args.force:
-        raise InputError(f'{target}: exists already; choose another name, or replace it with '
-                         '--force')

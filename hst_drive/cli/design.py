@@ -14,7 +14,9 @@ import argparse
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_rig_argument, read_json, rig_of
-from hst_drive.cli.output import add_json_argument, check_target, table, write_json, write_yaml
+from hst_drive.cli.output import (
+    add_force_argument, add_json_argument, check_target, refuse_to_replace, table, write_json,
+    write_yaml)
 from hst_drive.errors import InputError
 from hst_drive.units import from_si
 
@@ -30,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help="what 'diagnose --json' wrote")
     parser.add_argument('-o', '--output', metavar='SCENARIO.yaml',
                         help='scenario file to write (default: show the advice only)')
+    add_force_argument(parser, 'SCENARIO.yaml')
     add_rig_argument(parser)
     parser.add_argument('--effects', metavar='A,B',
                         help='tell these apart (default: what the diagnosis could not)')
@@ -52,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
     if args.diagnosis is None and wanted is None:
         raise InputError('DIAGNOSIS.json or --effects: expected at least one of the two')
     if args.output:
+        refuse_to_replace(args.output, args.force)
         check_target(args.output)
     rig = rig_of(args)
     if args.diagnosis is None:

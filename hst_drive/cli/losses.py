@@ -15,7 +15,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.output import add_json_argument, say, write_json
+from hst_drive.cli.output import add_force_argument, add_json_argument, say, write_json
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--rig', metavar='RIG.yaml',
                         help='the rig that the motor goes into (default: the shipped test rig, '
                              'its load scaled to the motor)')
-    parser.add_argument('--force', action='store_true', help='replace RIG.yaml if it exists')
+    add_force_argument(parser, 'RIG.yaml')
     parser.add_argument('--plot', metavar='FOLDER|FILE.pdf',
                         help="draw the maps and the paper's figures 6 to 27: PNGs into a folder, "
                              'or all pages into one PDF')

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 
-from hst_drive.cli.output import check_target, table, write_yaml
+from hst_drive.cli.output import check_target, refuse_to_replace, table, write_yaml
 from hst_drive.errors import InputError
 from hst_drive.losses.document import named
 from hst_drive.losses.export import ends_of, motor_section
@@ -25,8 +24,7 @@ def check(args: argparse.Namespace, bench: Bench) -> None:
     if args.duty:
         _duty(args.duty)
     if args.output:
-        if Path(args.output).exists() and not args.force:
-            raise InputError(f'{args.output}: exists already; name another file, or add --force')
+        refuse_to_replace(args.output, args.force)
         check_target(args.output)
         _size(args, bench)
     elif args.motor is not None or args.rig:

@@ -101,6 +101,18 @@ def check_target(target: str | os.PathLike) -> None:
         raise _unwritable(path, problem) from None
 
 
+def add_force_argument(parser: argparse.ArgumentParser, name: str) -> None:
+    """Add ``--force`` for the file that the help calls ``name``."""
+    parser.add_argument('--force', action='store_true', help=f'replace {name} if it exists')
+
+
+def refuse_to_replace(target: str | os.PathLike, force: bool) -> None:
+    """Raise InputError if a file is there; '-', a pipe or a folder is none to replace."""
+    if Path(target).is_file() and not force:
+        raise InputError(f'{target}: exists already; choose another name, or replace it with '
+                         '--force')
+
+
 def write_text(text: str, target: str | os.PathLike) -> None:
     """Write a text file, whole or not at all; '-' is standard output."""
     if os.fspath(target) == '-':

@@ -151,6 +151,19 @@ def test_wrong_input_is_one_line(arguments, words, capsys):
     assert words in message.splitlines()[-1]
 
 
+def test_a_file_that_exists_is_kept_without_force(tmp_path, capsys):
+    """It refuses before the work; with --force it goes on to what else is wrong."""
+    path = tmp_path / 's.yaml'
+    path.write_text('mine')
+    arguments = ['design', 'no_such.json', '-o', str(path)]
+    assert main(arguments) == 2
+    said = capsys.readouterr().err
+    assert str(path) in said and 'exists already' in said and '--force' in said
+    assert main([*arguments, '--force']) == 2
+    assert 'no_such.json: cannot be read' in capsys.readouterr().err
+    assert path.read_text() == 'mine'
+
+
 @pytest.mark.parametrize('content, words', [
     ({'schema': 'x'}, "expected 'hst_drive/diagnosis/1'"), ([], 'schema'),
     (_diagnosis(effects=[{'id': 'viscous_drag'}]), 'write the diagnosis again'),
