@@ -38,10 +38,11 @@ def study_transmissions(table: PointTable) -> tuple[dict, str]:
 
 
 def _sentence(found: Transmissions) -> str:
-    share = found.leakage_share
     text = (f'The loss-free model turns at {from_si(found.loss_free_speed, "rpm"):.0f} rpm, the '
             f'{found.units} measured units at {from_si(found.speed.median, "rpm"):.0f} +- '
-            f'{from_si(found.speed.sd, "rpm"):.0f} rpm: it is off by {100 * share.median:.1f} %. '
+            f'{from_si(found.speed.sd, "rpm"):.0f} rpm: it is off by '
+            f'{100 * found.speed_error_over_loss_free:.1f} % of its own speed, '
+            f'{100 * found.speed_error_over_measured:.1f} % of theirs. '
             'The missing effect is leakage of pump and motor together')
     if found.leakage:
         text += f', {from_si(found.leakage.median, "L/min"):.1f} L/min'

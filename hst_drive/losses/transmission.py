@@ -44,8 +44,9 @@ class Transmissions(NamedTuple):
     """
     What a table of transmissions says, SI.
 
-    ``speed_error`` is how much faster a loss-free one turns than the median of the measured, over
-    the measured; ``leakage_share`` is over the loss-free flow.
+    Two medians say how much faster a loss-free one turns: ``speed_error_over_loss_free`` as a
+    share of its own speed, which is the median of ``leakage_share`` (of the loss-free flow), and
+    ``speed_error_over_measured`` as a share of the median measured speed.
     ``leakage`` and ``conductance`` (None without displacement or pressure) are of pump and motor
     together; ``unit_scatter`` is the relative scatter of the leakage between units, the
     repeatability (forward against reverse) taken out where both are there.
@@ -54,7 +55,8 @@ class Transmissions(NamedTuple):
     units: int
     loss_free_speed: float
     speed: Spread
-    speed_error: float
+    speed_error_over_loss_free: float
+    speed_error_over_measured: float
     leakage_share: Spread
     leakage: Spread | None
     conductance: Spread | None
@@ -116,9 +118,10 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
     scatter, repeat = _scatter(share, reverse)
     speed = _spread(known['motor_speed'][usable])
     loss_free = float(np.median(ideal[usable]))
+    leaking = _spread(share[usable])
     return Transmissions(
-        int(usable.sum()), loss_free, speed, loss_free / speed.median - 1.0,
-        _spread(share[usable]), leakage, conductance, scatter, repeat, tuple(outliers),
+        int(usable.sum()), loss_free, speed, leaking.median, loss_free / speed.median - 1.0,
+        leaking, leakage, conductance, scatter, repeat, tuple(outliers),
         _not_determinable(known, flow is None))
 
 

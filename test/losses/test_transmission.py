@@ -45,7 +45,8 @@ def test_one_displacement_stands_for_both(given):
                           'made.csv')
     assert found.loss_free_speed == pytest.approx(100.0)
     assert found.leakage.median == pytest.approx(3e-4)
-    assert found.speed_error == pytest.approx(100.0 / 90.0 - 1.0)
+    assert found.speed_error_over_measured == pytest.approx(100.0 / 90.0 - 1.0)
+    assert found.speed_error_over_loss_free == pytest.approx(1.0 - 90.0 / 100.0)
 
 
 def test_a_wrong_digit_is_named_by_its_row():
