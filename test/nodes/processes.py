@@ -42,11 +42,11 @@ def run(*arguments: str) -> tuple[int, str, str]:
 
 
 @contextmanager
-def node(name: str, *arguments: str):
-    """Start a node; end it with SIGINT and check that it goes cleanly."""
+def node(name: str, *arguments: str, managed: bool = False):
+    """Start a node, a managed one if wished; end it with SIGINT and check that it goes cleanly."""
     process = subprocess.Popen(
-        [sys.executable, '-m', f'hst_drive.nodes.{name}', '--ros-args', *arguments],
-        env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        [sys.executable, '-m', f'hst_drive.nodes.{name}', *['--managed'] * managed, '--ros-args',
+         *arguments], env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         yield process
     finally:

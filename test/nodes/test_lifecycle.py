@@ -1,8 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Managed nodes, their manager, and two drives on one machine: processes over real DDS."""
-from contextlib import contextmanager, ExitStack
-import signal
+from contextlib import ExitStack
+from functools import partial
 import subprocess
 import sys
 
@@ -12,21 +12,7 @@ from .processes import environment, messages, node, PATIENCE, wait_for
 from .test_nodes import client, parameters_of  # noqa: F401 (a fixture)
 
 rclpy = pytest.importorskip('rclpy')
-
-
-@contextmanager
-def managed(name, *arguments):
-    """Start a node as a managed one."""
-    process = subprocess.Popen(
-        [sys.executable, '-m', f'hst_drive.nodes.{name}', '--managed', '--ros-args', *arguments],
-        env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.send_signal(signal.SIGINT)
-        process.out, process.err = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0, process.err
+managed = partial(node, managed=True)
 
 
 class Asker:
