@@ -22,9 +22,11 @@ from rclpy.exceptions import (InvalidParameterTypeException, InvalidParameterVal
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
+_TURN = 0.1     # s; how soon a signal is seen while no message comes
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 
 
@@ -53,6 +55,7 @@ class DriveNode(Node):
         self.outputs: dict[str, Output] = {}
         self.inputs: dict[str, Input] = {}
         self.exit_code: int | None = None
+        self.stopped = Future()
         self.gather = 0.0
         self.handled = 0
         self.sync: sync.Sync | None = None
@@ -70,9 +73,10 @@ class DriveNode(Node):
     def activate(self) -> None:
         """Open the endpoints and begin to wait for the partners."""
         self.sync = sync.Sync(self, self._said)
+        outputs = [(self.resolve_topic_name(name), output)
+                   for name, output in self.outputs.items()]
         self.answers = sync.Answers(self.sync, lambda: {
-            self.resolve_topic_name(name): output.published
-            for name, output in self.outputs.items()})
+            name: output.published for name, output in outputs})
         self.taken = self.taken or wiring.recorded(self.partners)
         self._waited = 0.0
         self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self._wall)
@@ -108,6 +112,7 @@ class DriveNode(Node):
             print(f'{self.role}: {reason}', file=sys.stderr, flush=True)
         if self.exit_code is None:
             self.exit_code = code
+            self.stopped.set_result(None)
 
     def not_connected(self) -> list[str]:
         """Return the names of the topics on which a partner is still missing."""
@@ -188,8 +193,12 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         executor.add_node(node)
         while rclpy.ok() and node.exit_code is None and not signals:
             handled = node.handled
-            # EventsExecutor.spin() without a timeout never runs a callback.
-            executor.spin_once(timeout_sec=0.0 if node.gather else 0.1)
+            # One call for many messages: what stands around a call costs as much as a message.
+            # EventsExecutor without a timeout never runs a callback; with 0 it runs all that
+            # are due. The future is new each time, as a call leaves something hanging on it.
+            node.stopped = Future()
+            executor.spin_until_future_complete(
+                node.stopped, timeout_sec=0.0 if node.gather else _TURN)
             if node.gather and node.handled == handled:
                 time.sleep(node.gather)
         end = time.monotonic() + _LONGEST_DRAIN

@@ -10,8 +10,9 @@ import struct
 
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import (FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE, Topic, TOPICS,
-                                  TRUTH)
+from hst_drive.bag.topics import (ATMOSPHERE, Field, FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE,
+                                  Topic, TOPICS, TRUTH)
+from hst_drive.units import canonical, UNITS
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
@@ -46,6 +47,16 @@ def stamp_of(data: bytes) -> int:
     return seconds * BILLION + nanoseconds
 
 
+def _scale(field: Field) -> tuple[float, float, float]:
+    """
+    Return factor, offset, shift of a field: ``channel = message * factor + offset + shift``.
+
+    As ``Field.to_channel`` and ``from_channel`` convert, but the unit is looked up once.
+    """
+    unit = UNITS[canonical(field.unit)]
+    return unit.factor, unit.offset, -ATMOSPHERE if field.absolute else 0.0
+
+
 class Layout:
     """
     Where the numbers lie in serialised messages like this one.
@@ -63,8 +74,12 @@ class Layout:
 
     def fits(self, data: bytes) -> bool:
         """Return whether a message has this layout."""
-        return len(data) == self._length and all(
-            data[start:end] == same for start, end, same in self._fixed)
+        if len(data) != self._length:
+            return False
+        for start, end, same in self._fixed:
+            if data[start:end] != same:
+                return False
+        return True
 
     def read(self, data: bytes) -> list[float]:
         """Return the numbers; NaN for an element that these messages do not have."""
@@ -95,8 +110,8 @@ class Output:
         codec = Codec(topic.type, find_definition(topic.type))
         data = codec.encode(template)
         self._data = bytearray(data)
-        self._numbers = Layout(codec, data, paths).numbers
-        self._convert = [field.from_channel for field in topic.fields]
+        self._fields = [(number.pack_into, offset, *_scale(field)) for (number, offset), field in
+                        zip(Layout(codec, data, paths).numbers, topic.fields)]
         self.publisher = node.create_publisher(
             message_class(topic.type), topic.name, qos_profile(topic.qos),
             qos_overriding_options=QoSOverridingOptions.with_default_policies())
@@ -106,14 +121,29 @@ class Output:
         """Publish values (SI, in the order of the table's fields) that were true at stamp, ns."""
         data = self._data
         _STAMP.pack_into(data, _STAMP_AT, *divmod(stamp, BILLION))
-        for (number, offset), convert, value in zip(self._numbers, self._convert, values):
-            number.pack_into(data, offset, convert(value))
+        for (pack_into, at, factor, offset, shift), value in zip(self._fields, values):
+            pack_into(data, at, (value - shift - offset) / factor)
         self.publisher.publish(bytes(data))
         self.published += 1
 
     def connected(self, readers: int) -> bool:
         """Return whether as many subscriptions are matched."""
         return self.publisher.get_subscription_count() >= readers
+
+
+class ClockOutput:
+    """The publisher of /clock; ``ahead`` is how many messages a reader may be behind."""
+
+    def __init__(self, node, ahead: int):
+        topic = TOPICS['/clock']
+        self._data = bytearray(Codec(topic.type, find_definition(topic.type)).encode({}))
+        self.publisher = node.create_publisher(
+            message_class(topic.type), topic.name, qos_profile(topic.qos, ahead))
+
+    def publish(self, stamp: int) -> None:
+        """Publish a time, ns."""
+        _STAMP.pack_into(self._data, _STAMP_AT, *divmod(stamp, BILLION))
+        self.publisher.publish(bytes(self._data))
 
 
 class Input:
@@ -129,7 +159,7 @@ class Input:
         self._callback = callback
         self._codec = Codec(topic.type, find_definition(topic.type))
         self._paths = [field.path for field in topic.fields]
-        self._convert = [field.to_channel for field in topic.fields]
+        self._scales = [_scale(field) for field in topic.fields]
         self._layout: Layout | None = None
         self._log = node.get_logger()
         self.subscription = node.create_subscription(
@@ -145,7 +175,8 @@ class Input:
             self._log.warning(f'{self.topic.name}: {error}', throttle_duration_sec=5.0)
             return
         self._callback(stamp_of(data), tuple([
-            convert(value) for convert, value in zip(self._convert, values)]))
+            value * factor + offset + shift
+            for value, (factor, offset, shift) in zip(values, self._scales)]))
 
     def connected(self) -> bool:
         """Return whether a publisher is matched."""

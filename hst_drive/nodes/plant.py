@@ -7,21 +7,19 @@ import math
 import sys
 import time
 
-from builtin_interfaces.msg import Time
-from hst_drive.bag.topics import TOPICS, TRUTH
+from hst_drive.bag.topics import TRUTH
 from hst_drive.errors import InputError
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.compose import STATES
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
-from hst_drive.nodes.endpoints import BILLION, Output, qos_profile, topic_named
+from hst_drive.nodes.endpoints import BILLION, ClockOutput, Output, topic_named
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
 import numpy as np
 from rclpy.duration import Duration
-from rosgraph_msgs.msg import Clock
 
 _ANGLE = STATES.index('motor_angle')
 _INPUTS = {'pump_command': 'pump_command', 'pprv_command': 'pprv_command',
@@ -92,32 +90,35 @@ class Plant(DriveNode):
     def activate(self) -> None:
         """Open the endpoints."""
         self._publish_readings()
+        self._awaited = [name for name in _INPUTS if topic_named(name).publisher in self.partners]
         for name in _INPUTS:
             self.listen_to(name, lambda stamp, values, name=name:
                            self._commanded(name, stamp, values[0]))
         if self.lockstep:
-            self._clock_message = Clock()
-            self._clock_publisher = self.create_publisher(
-                Clock, '/clock', qos_profile(TOPICS['/clock'].qos, 2 * sync.INTERVAL))
+            self._clock_output = ClockOutput(self, 2 * sync.INTERVAL)
         self._heard = time.monotonic()
         super().activate()
         self._ready = False
         self.create_timer(0.25, self._watch, clock=self._wall)
 
     def _publish_readings(self) -> None:
-        for name in self._names:
+        # What the controller waits for goes out first: it works while the rest is published.
+        for name in sorted(self._names, key=lambda name: name not in wiring.READS['controller']):
             topic = topic_named(name)
             sensor = self._sensors.sensors.get(topic.fields[0].channel)
             self.outputs[name] = Output(self, topic, sensor.noise_std**2 if sensor else 0.0)
         if self.settings['truth']:
             self.publish_to(*(f'{TRUTH}{name}' for name in self._names))
+        self._published = [
+            (output, [field.channel or 'motor_angle' for field in output.topic.fields],
+             name.startswith(TRUTH)) for name, output in self.outputs.items()]
 
     def not_connected(self) -> list[str]:
         """Return the topics on which a partner is missing; load_profile reads the clock."""
         missing = super().not_connected()
         reads_clock = 'load_profile' in self.partners and not self.settings['lookahead']
-        if self.lockstep and reads_clock and (
-                self._clock_publisher.get_subscription_count() < 1):
+        if (self.lockstep and reads_clock
+                and not self._clock_output.publisher.get_subscription_count()):
             missing.append('/clock')
         return missing
 
@@ -194,15 +195,15 @@ class Plant(DriveNode):
         self._step += 1
         self._pace()
         stamp = self._stamp()
-        self._clock_message.clock = Time(sec=stamp // BILLION, nanosec=stamp % BILLION)
         self._held = dict(self._inputs)
-        self._pending = {name for name, topic in self.inputs.items()
-                         if topic.topic.publisher in self.partners
-                         and (name != 'oil_temperature_command' or self._step % sync.SLOW == 0)}
-        self._clock_publisher.publish(self._clock_message)
-        for name in [name for name in self._pending if (name, stamp) in self._early]:
-            self._set(name, self._early.pop((name, stamp)))
-            self._pending.discard(name)
+        self._pending = set(self._awaited)
+        if self._step % sync.SLOW:
+            self._pending.discard('oil_temperature_command')
+        self._clock_output.publish(stamp)
+        for name in self._awaited:
+            if name in self._pending and (name, stamp) in self._early:
+                self._set(name, self._early.pop((name, stamp)))
+                self._pending.discard(name)
         if self._pending <= {'pump_command'}:
             self._sample()
 
@@ -236,10 +237,10 @@ class Plant(DriveNode):
         truth['oil_temperature'] = self._inputs['oil_temperature']
         truth['motor_angle'] = float(state[_ANGLE])
         readings = {**truth, **self._sensors.read(truth)}
-        for name, output in self.outputs.items():
-            source = truth if name.startswith(TRUTH) else readings
-            output.publish(self._stamp(), *(source[field.channel or 'motor_angle']
-                                            for field in output.topic.fields))
+        stamp = self._stamp()
+        for output, channels, noiseless in self._published:
+            source = truth if noiseless else readings
+            output.publish(stamp, *[source[channel] for channel in channels])
         self._tell()
 
     def _tick(self) -> None:
