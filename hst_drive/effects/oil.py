@@ -10,8 +10,11 @@ with a viscosity index of about 95 to 100 (ASTM D2270).
 """
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
+_LOG_40_DEGC = np.log10(313.15)
 # Grade: mm^2/s at 40 degC, mm^2/s at 100 degC; the same stand in config/oil_grades.yaml.
 GRADES: dict[str, tuple[float, float]] = {
     'ISO VG 10': (10.0, 2.6), 'ISO VG 15': (15.0, 3.3), 'ISO VG 22': (22.0, 4.3),
@@ -53,8 +56,14 @@ def walther(temperature, at_40_degc: float, at_100_degc: float):
         mm^2/s, above 0.3.
 
     """
-    at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in (at_40_degc, at_100_degc))
-    slope = (at_40 - at_100) / (np.log10(373.15) - np.log10(313.15))
+    at_40, slope = _constants(at_40_degc, at_100_degc)
     temperature = np.clip(temperature, 233.15, 473.15)
-    double_log = at_40 - slope * (np.log10(temperature) - np.log10(313.15))
+    double_log = at_40 - slope * (np.log10(temperature) - _LOG_40_DEGC)
     return (10.0**(10.0**double_log) - 0.7) * 1e-6
+
+
+@lru_cache(64)
+def _constants(at_40_degc: float, at_100_degc: float) -> tuple[float, float]:
+    """Return Walther's a (at 40 degC) and b; a plant asks for them in each step."""
+    at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in (at_40_degc, at_100_degc))
+    return at_40, (at_40 - at_100) / (np.log10(373.15) - _LOG_40_DEGC)
