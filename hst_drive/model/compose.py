@@ -168,11 +168,11 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
         parts.append(_function_source(effect.id, function, key))
     # Inlined, the inner functions cost half: a call hands over some forty words.
     inner = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-             'load_model', 'balances')
+             'load_model', 'balances', 'derivatives')
     parts.append('\n'.join(
         f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", '
         f'forceinline={name in inner})({name})'
-        for name in (*inner, 'played', 'load_record', 'derivatives', 'simulate')))
+        for name in (*inner, 'played', 'load_record', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
     import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]

@@ -211,17 +211,11 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
             shaft_compliance, speed_change, pump_speed_lag)
 
 
-def derivatives(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-                twist, reading, slowdown, target, pprv_target, pump_command, pprv_command,
-                oil_temperature, viscosity_ratio, disturbance, lag, rate, reading_lag, p, on,
-                values, layout):
-    """Return the time derivatives of the nine states."""
-    (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-     shaft_torque, relief_flow, line_drop, shaft_compliance, speed_change,
-     pump_speed_lag) = balances(
-        displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed, twist,
-        slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio, disturbance, p,
-        on, values, layout)
+def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
+                speed_change, pump_speed_lag, displacement, pump_pressure, motor_speed,
+                pprv_pressure, load_speed, reading, slowdown, target, pprv_target, lag, rate,
+                reading_lag, p, on):
+    """Return the time derivatives of the nine states from what the balances have found."""
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -rate), rate)
@@ -308,98 +302,105 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
             pprv_command, T_PPRV_PRESSURE, values, layout)
 
-        (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage, compliance,
-         shaft_torque, relief_flow, line_drop, shaft_compliance, speed_change,
-         pump_speed_lag) = balances(
-            displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-            twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
-            disturbance, p, on, values, layout)
-        if k == 0 and math.isnan(slowdown):
-            # Not known at the start: taken as settled.
-            slowdown = speed_change
-        load_torque = shaft_torque
-        pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
-        # slot pressure_reading
-        flow_reading = flow
-        # slot flow_reading
-        speed_reading = reading
-        # slot speed_reading
-        torque_reading = load_torque
-        # slot torque_reading
-        out[k, 0] = pressure_reading
-        out[k, 1] = flow_reading
-        out[k, 2] = speed_reading
-        out[k, 3] = torque_reading
-        out[k, 4] = displacement
-        out[k, 5] = pressure
-        out[k, 6] = leakage
-        out[k, 7] = pump_speed
-        out[k, 8] = motor_torque
-        out[k, 9] = pump_flow + relief_flow
-        out[k, 10] = relief_flow
-        out[k, 11] = pprv_pressure
-
-        if k == n - 1:
-            break
-        remaining = time[k + 1] - time[k]
-        interval = remaining
-        slope = (disturbances[k + 1] - disturbance) / max(interval, 1e-12)
+        interval = time[min(k + 1, n - 1)] - time[k]
+        slope = (disturbances[min(k + 1, n - 1)] - disturbance) / max(interval, 1e-12)
         elapsed = 0.0
-        while remaining > 1e-12:
-            d1 = disturbance + slope * elapsed
-            a = derivatives(
-                displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-                twist, reading, slowdown, target, pprv_target, pump_command, pprv_command,
-                oil_temperature, viscosity_ratio, d1, pump_lag, rate, speed_reading_lag, p, on,
-                values, layout)
-            step = max_step
-            if on[ON_SHAFT]:
-                step = min(step, SHAFT_STEP * math.sqrt(
-                    max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
-            # A full step would start in, or run into, what is stiff.
-            if abs(motor_speed) < STIFF_SPEED + abs(a[2]) * step or (
-                    pump_pressure + max(a[1], 0.0) * step
-                    > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]):
-                step = min(step, 0.1 * max_step)
-            if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED + abs(a[5]) * step:
-                # So much less inertia meets the same friction at standstill.
-                step = min(step, 0.1 * max_step) * SHAFT_STIFF_SHARE
-            step = remaining / math.ceil(remaining / step - 1e-9)
-            h = 0.5 * step
-            d2 = d1 + slope * h
-            d3 = d1 + slope * step
-            b = derivatives(
-                displacement + h * a[0], pump_pressure + h * a[1], motor_speed + h * a[2],
-                pprv_pressure + h * a[3], motor_angle + h * a[4], load_speed + h * a[5],
-                twist + h * a[6], reading + h * a[7], slowdown + h * a[8], target,
-                pprv_target, pump_command, pprv_command, oil_temperature, viscosity_ratio, d2,
-                pump_lag, rate, speed_reading_lag, p, on, values, layout)
-            c = derivatives(
-                displacement + h * b[0], pump_pressure + h * b[1], motor_speed + h * b[2],
-                pprv_pressure + h * b[3], motor_angle + h * b[4], load_speed + h * b[5],
-                twist + h * b[6], reading + h * b[7], slowdown + h * b[8], target,
-                pprv_target, pump_command, pprv_command, oil_temperature, viscosity_ratio, d2,
-                pump_lag, rate, speed_reading_lag, p, on, values, layout)
-            d = derivatives(
-                displacement + step * c[0], pump_pressure + step * c[1],
-                motor_speed + step * c[2], pprv_pressure + step * c[3],
-                motor_angle + step * c[4], load_speed + step * c[5], twist + step * c[6],
-                reading + step * c[7], slowdown + step * c[8], target, pprv_target, pump_command,
-                pprv_command, oil_temperature, viscosity_ratio, d3, pump_lag, rate,
-                speed_reading_lag, p, on, values, layout)
+        while True:
+            # One place for all four stages, so that the balances are compiled once. A stage
+            # stands ``ahead`` of the step's start; x0 to x8 are the states there, s0 to s8 the
+            # weighted sums of the slopes.
+            x0, x1, x2, x3, x4 = (displacement, pump_pressure, motor_speed, pprv_pressure,
+                                  motor_angle)
+            x5, x6, x7, x8 = load_speed, twist, reading, slowdown
+            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = 0.0
+            step = ahead = 0.0
+            for stage in range(4):
+                (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage,
+                 compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
+                 speed_change, pump_speed_lag) = balances(
+                    x0, x1, x2, x3, x4, x5, x6, x8, pump_command, pprv_command, oil_temperature,
+                    viscosity_ratio, disturbance + slope * (elapsed + ahead), p, on, values,
+                    layout)
+                if stage == 0 and elapsed == 0.0:
+                    if k == 0 and math.isnan(slowdown):
+                        # Not known at the start: taken as settled.
+                        slowdown = x8 = speed_change
+                    pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
+                    # slot pressure_reading
+                    flow_reading = flow
+                    # slot flow_reading
+                    speed_reading = reading
+                    # slot speed_reading
+                    torque_reading = shaft_torque
+                    # slot torque_reading
+                    out[k, 0] = pressure_reading
+                    out[k, 1] = flow_reading
+                    out[k, 2] = speed_reading
+                    out[k, 3] = torque_reading
+                    out[k, 4] = displacement
+                    out[k, 5] = pressure
+                    out[k, 6] = leakage
+                    out[k, 7] = pump_speed
+                    out[k, 8] = motor_torque
+                    out[k, 9] = pump_flow + relief_flow
+                    out[k, 10] = relief_flow
+                    out[k, 11] = pprv_pressure
+                    if k == n - 1:
+                        break
+                r0, r1, r2, r3, r4, r5, r6, r7, r8 = derivatives(
+                    flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
+                    speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, target,
+                    pprv_target, pump_lag, rate, speed_reading_lag, p, on)
+                if stage == 0:
+                    step = max_step
+                    if on[ON_SHAFT]:
+                        step = min(step, SHAFT_STEP * math.sqrt(
+                            max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
+                    # A full step would start in, or run into, what is stiff.
+                    if abs(motor_speed) < STIFF_SPEED + abs(r2) * step or (
+                            pump_pressure + max(r1, 0.0) * step
+                            > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]):
+                        step = min(step, 0.1 * max_step)
+                    if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED + abs(r5) * step:
+                        # So much less inertia meets the same friction at standstill.
+                        step = min(step, 0.1 * max_step) * SHAFT_STIFF_SHARE
+                    remaining = interval - elapsed
+                    step = remaining / max(math.ceil(remaining / step - 1e-9), 1.0)
+                weight = 1.0 if stage == 0 or stage == 3 else 2.0
+                s0 += weight * r0
+                s1 += weight * r1
+                s2 += weight * r2
+                s3 += weight * r3
+                s4 += weight * r4
+                s5 += weight * r5
+                s6 += weight * r6
+                s7 += weight * r7
+                s8 += weight * r8
+                ahead = step if stage == 2 else 0.5 * step
+                x0 = displacement + ahead * r0
+                x1 = pump_pressure + ahead * r1
+                x2 = motor_speed + ahead * r2
+                x3 = pprv_pressure + ahead * r3
+                x4 = motor_angle + ahead * r4
+                x5 = load_speed + ahead * r5
+                x6 = twist + ahead * r6
+                x7 = reading + ahead * r7
+                x8 = slowdown + ahead * r8
+            if k == n - 1:
+                break
             w = step / 6.0
-            displacement += w * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
-            pump_pressure += w * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
-            motor_speed += w * (a[2] + 2.0 * (b[2] + c[2]) + d[2])
-            pprv_pressure += w * (a[3] + 2.0 * (b[3] + c[3]) + d[3])
-            motor_angle += w * (a[4] + 2.0 * (b[4] + c[4]) + d[4])
-            load_speed += w * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
-            twist += w * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
-            reading += w * (a[7] + 2.0 * (b[7] + c[7]) + d[7])
-            slowdown += w * (a[8] + 2.0 * (b[8] + c[8]) + d[8])
-            pump_pressure = max(pump_pressure, CAVITATION_PRESSURE)
+            displacement += w * s0
+            pump_pressure = max(pump_pressure + w * s1, CAVITATION_PRESSURE)
+            motor_speed += w * s2
+            pprv_pressure += w * s3
+            motor_angle += w * s4
+            load_speed += w * s5
+            twist += w * s6
+            reading += w * s7
+            slowdown += w * s8
             elapsed += step
-            remaining -= step
+            if interval - elapsed <= 1e-12:
+                break
         if not (abs(motor_speed) < 1e4 and abs(pump_pressure) < 1e11):
             for i in range(k + 1, n):
                 for j in range(out.shape[1]):
