@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 from hst_drive.errors import InputError
@@ -86,7 +87,7 @@ class Run:
     def __len__(self) -> int:
         return len(self.time)
 
-    @property
+    @cached_property
     def sample_time(self) -> float:
         """Median time between samples, s."""
         return float(np.median(np.diff(self.time)))

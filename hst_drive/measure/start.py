@@ -34,13 +34,12 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
     motor, pump = drive.rig.motor, drive.rig.pump
     for _ in range(3):
-        leak = motor.leakage(state[1], abs(state[2]))
-        pump_leak = pump.leakage(state[1], commands['pump_command'])
-        if 'motor_inlet_flow' in first:
-            flow = first['motor_inlet_flow']
-        else:
-            flow = state[0] * pump.shaft_speed - pump_leak
         if 'motor_speed' not in first:
+            flow = first.get('motor_inlet_flow')
+            if flow is None:
+                flow = (state[0] * pump.shaft_speed
+                        - pump.leakage(state[1], commands['pump_command']))
+            leak = motor.leakage(state[1], abs(state[2]))
             state[2] = max(flow - leak, 0.0) / motor.displacement
         pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
         if pressure is None:
