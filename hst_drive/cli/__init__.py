@@ -27,6 +27,9 @@ from hst_drive.cli.output import check_target
 from hst_drive.errors import InputError
 
 PROG = 'hst-drive'
+# The matrices of a fit are small and both cores have work: threads of the linear algebra on top
+# cost more than half as much again. Set before NumPy is loaded; the user's own setting stands.
+ONE_THREAD = ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')
 _OK, _FAILED, _WRONG_INPUT, _INTERRUPTED, _BROKEN_PIPE = 0, 1, 2, 130, 141
 
 
@@ -80,6 +83,8 @@ def main(argv: Sequence[str] | None = None, *, prog: str = PROG) -> int:
         Exit code.
 
     """
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, '1')
     argv = list(sys.argv[1:] if argv is None else argv)
     show_traceback = '--traceback' in argv or os.environ.get('HST_DRIVE_TRACEBACK', '') == '1'
     try:
