@@ -145,10 +145,11 @@ def _compared(runs: list[Run], rig_file: str | None = None) -> None:
 
 def _diagnosed(runs: list[Run], folder: Path) -> str | None:
     """Print what is missing; return the file of the rig with it, None if nothing was found."""
-    from hst_drive.cli.diagnose import as_json, progress_line, text
+    from hst_drive.cli.diagnose import progress_line, text
     from hst_drive.cli.output import plain, write_json, write_yaml
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.decide import diagnose
+    from hst_drive.diagnose.document import as_json
     from hst_drive.rig import default_rig_file, load_rig
     from hst_drive.rig.yaml_file import read_yaml
 

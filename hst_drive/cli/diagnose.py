@@ -13,8 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_logs, rig_of
-from hst_drive.cli.output import add_json_argument, say, table, write_json
-from hst_drive.units import for_people
+from hst_drive.cli.output import add_json_argument, say, size, table, write_json
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.result import Diagnosis, Unknown
@@ -34,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Diagnose and print."""
     from hst_drive.diagnose.decide import diagnose
+    from hst_drive.diagnose.document import as_json
 
     if args.plot:
         from hst_drive.cli.compare import check_plot
@@ -116,10 +116,9 @@ def _effects(result: Diagnosis) -> str:
         parameters = catalogue()[entry.id].parameters
         for place, parameter in enumerate(parameters):
             value = entry.parameters[parameter.name]
-            sizes = [for_people(number, value.unit) for number in value[:3]]
-            size, low, high = (f'{number:.4g}' for number, _ in sizes)
-            rows.append([entry.id if place == 0 else '', parameter.name, size,
-                         f'{low} to {high}', sizes[0][1],
+            (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
+            rows.append([entry.id if place == 0 else '', parameter.name, middle,
+                         f'{low} to {high}', unit,
                          f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
 
@@ -142,48 +141,10 @@ def _smallest(result: Diagnosis) -> str:
     from hst_drive.effects import catalogue
 
     rows = []
-    for name, size in sorted(result.smallest.items()):
+    for name, smallest in sorted(result.smallest.items()):
         parameter = catalogue()[name].parameters[0]
-        shown, unit = for_people(size, parameter.unit)
-        rows.append([name, parameter.name, f'{shown:.3g}', unit])
+        rows.append([name, parameter.name, *size(smallest, parameter.unit, 3)])
     return table(['effect', 'parameter', 'size', 'unit'], rows)
-
-
-def as_json(result: Diagnosis) -> dict:
-    """Return the diagnosis in the form of schema hst_drive/diagnosis/1."""
-    from hst_drive.diagnose.result import SCHEMA
-
-    unknown = result.unknown
-    return {
-        'schema': SCHEMA, 'verdict': result.verdict,
-        'sentence': result.sentence, 'rig': result.rig,
-        'rig_digest': result.rig_digest, 'logs': result.logs,
-        'effects': [{'id': entry.id,
-                     'parameters': {key: value._asdict()
-                                    for key, value in entry.parameters.items()},
-                     'error_removed': entry.error_removed,
-                     'indistinguishable_from': entry.indistinguishable_from}
-                    for entry in result.effects],
-        'ranking': [entry._asdict() for entry in result.ranking],
-        'errors': {'before': result.ladder[0].training, 'after': result.ladder[-1].training},
-        'holdout': {'before': result.ladder[0].holdout, 'after': result.ladder[-1].holdout},
-        'ladder': [step._asdict() for step in result.ladder],
-        'not_observable': sorted(result.not_observable),
-        'not_observable_because': result.not_observable,
-        'smallest_visible': {name: {'value': size, 'unit': _unit(name)}
-                             for name, size in result.smallest.items()},
-        'calibration': [entry._asdict() for entry in result.calibration],
-        'rivals': result.rivals,
-        'unknown': _unknown_json(unknown) if unknown else None,
-        'next_test': result.next_test._asdict() if result.next_test else None,
-    }
-
-
-def _unknown_json(unknown: Unknown) -> dict:
-    formula = unknown.formula
-    return {**unknown._asdict(), 'formula': formula and {
-        **formula._asdict(),
-        'parameters': {key: value._asdict() for key, value in formula.parameters.items()}}}
 
 
 def _worth(unknown: Unknown) -> str:
@@ -196,9 +157,3 @@ def _worth(unknown: Unknown) -> str:
                       if abs(formula.before[name] - formula.after[name]) >= 0.05)
     return (f"in the model ('adopt --formula', {formula.id}) it brings held-out error over the "
             f'noise down: {falls}')
-
-
-def _unit(name: str) -> str:
-    from hst_drive.effects import catalogue
-
-    return catalogue()[name].parameters[0].unit

@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     # Each process is one worker: more threads in each would only stand in each other's way.
     for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
         os.environ.setdefault(name, '1')
-    from hst_drive.cli import diagnose as diagnose_verb
+    from hst_drive.diagnose.document import as_json
     from hst_drive.fleet.campaigns import find_campaigns
     from hst_drive.fleet.run import run_fleet
     from hst_drive.fleet.store import Store
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
     campaigns = find_campaigns(args.place)
     began = time.monotonic()
     rows = run_fleet(campaigns, Store(Path(args.results)),
-                     partial(diagnose_campaign, describe=diagnose_verb.as_json),
+                     partial(diagnose_campaign, describe=as_json),
                      workers=args.workers, scheduler=args.scheduler, again=args.again,
                      progress=_progress(began))
     summary = summarise(rows)

@@ -15,6 +15,7 @@ import sys
 import tempfile
 
 from hst_drive.errors import InputError
+from hst_drive.units import for_people
 
 MISSING = '-'
 
@@ -156,6 +157,12 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def size(value: float, unit: str, digits: int = 4) -> tuple[str, str]:
+    """Return a size in SI as people read it: number and unit as text."""
+    shown, read = for_people(value, unit)
+    return f'{shown:.{digits}g}', read
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[object]], *, digits: int = 3) -> str:

@@ -128,7 +128,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dict | None, str]:
     """Return the diagnosis as JSON knows it, and what to remark if there is none."""
-    from hst_drive.cli import diagnose as diagnose_verb
+    from hst_drive.cli.diagnose import progress_line
 
     if args.diagnosis:
         found = read_json(args.diagnosis)
@@ -146,11 +146,12 @@ def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dic
         say(remark)
         return None, remark
     from hst_drive.diagnose.decide import diagnose
+    from hst_drive.diagnose.document import as_json
 
     training = runs[:len(args.logs)]
     result = diagnose(rig, training, runs[len(args.logs):],
-                      progress=diagnose_verb.progress_line())
-    return plain(diagnose_verb.as_json(result)), ''
+                      progress=progress_line())
+    return plain(as_json(result)), ''
 
 
 def _check(found: object, source: str) -> None:

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the logs and serve the page until Ctrl-C."""
-    from hst_drive.cli.diagnose import as_json
+    from hst_drive.diagnose.document import as_json
     from hst_drive.rig import default_rig, default_rig_file
     from hst_drive.rig.yaml_file import read_yaml
     from hst_drive.workbench.answers import Answers, Setting

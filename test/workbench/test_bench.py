@@ -7,8 +7,8 @@ import shlex
 
 from hst_drive import cli
 from hst_drive.bag import read_log, write_csv
-from hst_drive.cli.diagnose import as_json
 from hst_drive.cli.output import write_yaml
+from hst_drive.diagnose.document import as_json
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
