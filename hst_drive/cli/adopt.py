@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 
 from hst_drive.cli.common import add_rig_argument, read_json
-from hst_drive.cli.output import add_force_argument, refuse_to_replace, say, write_yaml
+from hst_drive.cli.output import add_force_argument, refuse_to_replace, say, size, write_yaml
 from hst_drive.errors import InputError
 
 HELP = 'write the rig with the effects that a diagnosis found'
@@ -46,9 +46,18 @@ def run(args: argparse.Namespace) -> int:
     write_yaml(adopted, args.output)
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():
-        listed = ', '.join(f'{key} = {value:.4g}' for key, value in values.items())
-        tell(f'{args.output}: {name}: {listed}')
+        tell(f'{args.output}: {name}: {_sizes(name, values)}')
     return 0
+
+
+def _sizes(name: str, values: dict[str, float]) -> str:
+    """Return the sizes of an effect in the units in which 'diagnose' prints them."""
+    from hst_drive.effects import catalogue
+
+    units = {entry.name: entry.unit for entry in catalogue(everything=True)[name].parameters}
+    shown = {key: size(value, units[key]) for key, value in values.items()}
+    return ', '.join(f'{key} = {number}' + (f' {unit}' if unit != '1' else '')
+                     for key, (number, unit) in shown.items())
 
 
 def _refuse_inputs(args: argparse.Namespace, rig_file: str) -> None:

@@ -52,7 +52,7 @@ def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
     target = tmp_path / 'rig.yaml'
     code, out, err = run(capsys, written, '-o', target)
     assert code == 0 and not err
-    assert 'bearing_friction: coulomb = 13, load_share = 0.02' in out
+    assert 'bearing_friction: coulomb = 13 N.m, load_share = 0.02\n' in out
     adopted = load_rig(target)
     drive, plain = Drive(adopted), Drive(default_rig())
     assert drive.effects == {'bearing_friction': {'coulomb': 13.0, 'load_share': 0.02},
