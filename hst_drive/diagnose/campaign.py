@@ -103,11 +103,13 @@ class Campaign:
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
         if self._slow():
             self.events = _SLOW_EVENTS
-        self.floors = [self._floor(replay) for replay in self.replays]
+        self.usable = [self._usable(replay) for replay in self.replays]
+        self.floors = [self._floor(*entry) for entry in zip(self.replays, self.usable)]
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
-        self._weights = [self._weigh(replay, index, len(runs), bool(holdout))
-                         for index, replay in enumerate(self.replays)]
+        self._weights = [
+            np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
+            for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
         self.columns = self._layout()
 
     def _model(self):
@@ -116,8 +118,12 @@ class Campaign:
     def _replay(self, run: Run):
         return Replay(run, self.drive)
 
-    def _floor(self, replay) -> dict[str, float]:
-        return replay.floor(self.drive, count=judged(replay.run).samples)
+    @staticmethod
+    def _usable(replay) -> np.ndarray:
+        return judged(replay.run).samples
+
+    def _floor(self, replay, usable: np.ndarray) -> dict[str, float]:
+        return replay.floor(self.drive, count=usable)
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
@@ -164,17 +170,17 @@ class Campaign:
         return any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
 
     @staticmethod
-    def _weigh(replay: Replay, index: int, training: int, named: bool) -> np.ndarray:
+    def _weigh(replay: Replay, training: bool, named: bool) -> np.ndarray:
         """Return +1 for samples to fit on, -1 for samples to judge on, 0 for neither."""
         time = replay.run.time - replay.run.time[0]
         if named:
-            part = np.full(len(time), 1 if index < training else -1)
+            part = np.full(len(time), 1 if training else -1)
         else:
             block = (time / _HOLDOUT_BLOCK).astype(int)
             part = np.where(block % 3 == 1, -1, 1)
             if block[-1] < 2:
                 part = np.where(time < 0.67 * time[-1], 1, -1)
-        part[(time < SETTLE) | ~judged(replay.run).samples] = 0
+        part[time < SETTLE] = 0
         return part
 
     def _layout(self) -> list[Column]:

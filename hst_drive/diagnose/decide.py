@@ -22,6 +22,7 @@ from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
+import numpy as np
 
 _RIVALS_TRIED = 6
 _BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
@@ -56,7 +57,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     """
     progress('calibrating the unit')
     campaign = campaign_of(rig, runs, holdout)
-    if not campaign.ratios(campaign.errors(Model()), True):
+    sheet = campaign.errors(Model())
+    if not campaign.ratios(sheet, True):
         sources = ', '.join(run.source for run in (*runs, *holdout))
         raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
                          'record at least 10 s, better a minute')
@@ -67,13 +69,13 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     best = search.run()
     left = search.unexplained(best)
-    remaining = unknowns.describe(campaign, best.fit, sure=True) if left else None
+    remaining = unknowns.describe(campaign, best.fit) if left else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
-        remaining = unknowns.describe(campaign, best.fit, sure=True)
+        remaining = unknowns.describe(campaign, best.fit)
     order = _order(search, best)
     rivals = {name: _rivals(search, best, name) for name in order}
-    ladder = _ladder(campaign, search, best, order)
+    ladder = _ladder(search, best, order, sheet)
     limits = intervals(campaign, best.fit) if best.names else {}
     effects = tuple(Found(
         name, {key: Value(value, *limits.get((name, key), (value, value)), _unit(name, key))
@@ -128,12 +130,14 @@ def _part(model: Model, names: Sequence[str]) -> Model:
     return Model({name: model.effects[name] for name in names}, model.factors)
 
 
-def _ladder(campaign: Campaign, search: Search, best: Candidate,
-            order: Sequence[str]) -> tuple[Step, ...]:
+def _ladder(search: Search, best: Candidate, order: Sequence[str],
+            sheet: Sequence[np.ndarray]) -> tuple[Step, ...]:
+    campaign = search.campaign
+
     def step(added: str, errors) -> Step:
         return Step(added, campaign.ratios(errors, False), campaign.ratios(errors, True))
 
-    steps = [step('datasheet', campaign.errors(Model())),
+    steps = [step('datasheet', sheet),
              step('calibrated unit', search.base.errors)]
     for count in range(1, len(order) + 1):
         names = tuple(sorted(order[:count]))

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from hst_drive.diagnose.campaign import BLOCK, Campaign, Model, neutral, SETTLE
+from hst_drive.diagnose.campaign import (
+    BLOCK, Campaign, EVENTS, Model, neutral, SETTLE)
 from hst_drive.effects import catalogue
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.part import PartReplay
@@ -51,7 +52,7 @@ class PartCampaign(Campaign):
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
         # Operating points are chosen one by one: there are no events among them.
-        self.events = 0.0 if tables else self.events
+        self.events = 0.0 if tables else EVENTS
 
     def _model(self) -> PartModel:
         return PartModel(self.rig)
@@ -59,14 +60,18 @@ class PartCampaign(Campaign):
     def _replay(self, run: Run) -> PartReplay:
         return PartReplay(run, self.drive)
 
-    def _floor(self, replay: PartReplay) -> dict[str, float]:
+    @staticmethod
+    def _usable(replay: PartReplay) -> np.ndarray:
+        return np.ones(len(replay.run), dtype=bool)
+
+    def _floor(self, replay: PartReplay, usable: np.ndarray) -> dict[str, float]:
         return replay.floor(self.drive)
 
     @staticmethod
-    def _weigh(replay: PartReplay, index: int, training: int, named: bool) -> np.ndarray:
+    def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
         time = replay.run.time - replay.run.time[0]
         if named:
-            return np.full(len(time), 1 if index < training else -1)
+            return np.full(len(time), 1 if training else -1)
         if replay.static:
             return np.where(np.arange(len(time)) % 3 == 1, -1, 1)
         length = min(3 * BLOCK, time[-1] / 12)

@@ -16,7 +16,7 @@ from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, Samples, samples, STATIC)
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import CLEAN_RATIO, gain, PRACTICAL
+from hst_drive.diagnose.judge import gain, PRACTICAL, unexplained
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.places import locate, only_read, Place, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
@@ -34,7 +34,7 @@ class Carried(NamedTuple):
     score: float
 
 
-def describe(campaign: Campaign, model: Fit, *, sure: bool = False) -> Unknown | None:
+def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     """
     Say where the remaining error enters and on what it depends.
 
@@ -44,20 +44,16 @@ def describe(campaign: Campaign, model: Fit, *, sure: bool = False) -> Unknown |
         The data.
     model : Fit
         The best that listed effects can do.
-    sure : bool
-        Whether it is known that something is left: the logs that were fitted may show what the
-        held-out ones do not.
 
     Returns
     -------
     Unknown or None
-        None if no structured error is left.
+        None if no structured error is left, neither on held-out logs nor on those fitted.
 
     """
-    ratios = campaign.ratios(model.errors, True)
-    place = locate(campaign, model)
-    if place is None or not sure and all(value**2 <= CLEAN_RATIO**2 + campaign.scatter(name)
-                                         for name, value in ratios.items()):
+    left = any(unexplained(campaign, model, {}, held_out) for held_out in (True, False))
+    place = locate(campaign, model) if left else None
+    if place is None:
         return None
     data = samples(campaign, model, place, *sizes(campaign, model, place))
     depends = depends_on(data)
@@ -79,6 +75,11 @@ def describe(campaign: Campaign, model: Fit, *, sure: bool = False) -> Unknown |
         enters = 'pump_actuator'
     return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
                    explained, _worth(campaign, model, carried))
+
+
+def sensor_that_drifts(channel: str) -> Unknown:
+    """Return what is left where a reading parts from all others with time."""
+    return Unknown('sensor', channel, ('time',), '', (), 0.0)
 
 
 def _by_command(data: Samples, depends: Sequence[str], terms: Sequence[dict]) -> bool:
