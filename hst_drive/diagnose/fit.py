@@ -8,7 +8,8 @@ tens of thousands of samples a prior alone is outvoted, and the factors would ea
 """
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from itertools import count as count_from
+from typing import Callable, Collection, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.effects import catalogue, Parameter
@@ -20,6 +21,7 @@ SIGMAS = 3.0
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
+ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
 
 class Fit(NamedTuple):
@@ -50,15 +52,20 @@ class Unknowns:
     """
     The unknowns of a model as a vector.
 
-    A factor counts in tolerances, a parameter of an effect in its typical size.
+    A factor counts in tolerances, a parameter of an effect in its typical size. What is in
+    ``kept``, (effect, parameter) or ('', factor), stays as the model has it.
     """
 
-    def __init__(self, campaign: Campaign, model: Model):
+    def __init__(self, campaign: Campaign, model: Model,
+                 kept: Collection[tuple[str, str]] = ()):
         self.tolerances = campaign.tolerances
         self.start = model
-        self.names = (*(('', key) for key in campaign.tolerances),
+        factors = [('', key) for key in campaign.tolerances if ('', key) not in kept]
+        self.names = (*factors,
                       *((name, key) for name, values in model.effects.items() for key in values
-                        if campaign.fits(name, key) and (values[key] or name not in FORMULAS)))
+                        if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
+                        and (name, key) not in kept))
+        self.factors = len(factors)     # of the unit; they come first
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.low = np.array([low for low, _ in limits]) / self.scale
@@ -74,11 +81,6 @@ class Unknowns:
             return -SIGMAS * self.tolerances[key], SIGMAS * self.tolerances[key]
         return _parameter(effect, key).low, _parameter(effect, key).high
 
-    @property
-    def factors(self) -> int:
-        """How many of the unknowns are factors of the unit; they come first."""
-        return len(self.tolerances)
-
     def pack(self, model: Model) -> np.ndarray:
         """Return the vector of a model."""
         return np.array([model.factors.get(key, 0.0) if not effect else model.effects[effect][key]
@@ -87,7 +89,7 @@ class Unknowns:
     def unpack(self, vector: np.ndarray) -> Model:
         """Return the model of a vector."""
         values = np.clip(vector, self.low, self.high) * self.scale
-        factors: dict[str, float] = {}
+        factors = dict(self.start.factors)
         effects = {name: dict(values) for name, values in self.start.effects.items()}
         for (effect, key), value in zip(self.names, values):
             if effect:
@@ -110,7 +112,8 @@ def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
 
 
 def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-                errors: Sequence[np.ndarray], which: Sequence[int]) -> np.ndarray:
+                errors: Sequence[np.ndarray], which: Sequence[int],
+                errors_at: ErrorsAt) -> np.ndarray:
     """Return columns of the Jacobian of the weighted errors, by forward differences."""
     base = campaign.training(errors)
     columns = np.empty((len(base), len(which)))
@@ -120,13 +123,13 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
             step = -step
         moved = vector.copy()
         moved[k] += step
-        there = campaign.errors(unknowns.unpack(moved), to_fit=True)
-        columns[:, place] = (campaign.training(there) - base) / step
+        columns[:, place] = (campaign.training(errors_at(moved)) - base) / step
     return columns
 
 
 def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndarray | None = None,
-        refresh: bool = False) -> Fit:
+        refresh: bool = False, kept: Collection[tuple[str, str]] = (),
+        progress: Callable[[str], None] = lambda text: None) -> Fit:
     """
     Fit the unit's factors and the parameters of the effects that are on.
 
@@ -142,11 +145,21 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         Jacobian of the factors from a nearby model; saves most of the work.
     refresh : bool
         Form the whole Jacobian anew at the end, for intervals.
+    kept : collection of (str, str)
+        What stays as ``start`` has it (``Unknowns``).
+    progress : callable
+        Called with a text before each replay; may raise to stop.
 
     """
-    unknowns = Unknowns(campaign, start)
+    unknowns = Unknowns(campaign, start, kept)
+    replays = count_from(1)
+
+    def errors_at(vector: np.ndarray) -> list[np.ndarray]:
+        progress(f'fitting: {next(replays)} replays')
+        return campaign.errors(unknowns.unpack(vector), to_fit=True)
+
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
-    errors = campaign.errors(unknowns.unpack(vector), to_fit=True)
+    errors = errors_at(vector)
     cost = cost_of(campaign, unknowns, vector, errors)
     count = len(vector)
     free = list(range(unknowns.factors, count))
@@ -156,11 +169,12 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     damping = 1e-6
     for _ in range(iterations if count else 0):
         which = free if known is not None else list(range(count))
-        jacobian[:, which] = differences(campaign, unknowns, vector, errors, which)
+        jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
+                                         errors_at)
         step_taken = False
         for _ in range(3):
             trial = _step(campaign, unknowns, vector, errors, jacobian, damping)
-            trial_errors = campaign.errors(unknowns.unpack(trial), to_fit=True)
+            trial_errors = errors_at(trial)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors)
             if trial_cost < cost:
                 gain = cost - trial_cost
@@ -174,7 +188,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         if _promise(campaign, unknowns, vector, errors, jacobian) < 1e-3 * cost + 0.5:
             break
     if refresh:
-        jacobian = differences(campaign, unknowns, vector, errors, range(count))
+        jacobian = differences(campaign, unknowns, vector, errors, range(count), errors_at)
     model = unknowns.unpack(vector)
     return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
 

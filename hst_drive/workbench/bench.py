@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-import copy
 import math
 import os
 from pathlib import Path
@@ -185,30 +184,11 @@ class Workbench:
 
         """
         self.base.rig(model)
-        held = set(locked)
-        campaign = copy.copy(self.campaign)
-        fits, driver, errors = campaign.fits, campaign.driver, campaign.errors
-        campaign.fits = lambda name, key: (name, key) not in held and fits(name, key)
-        count = 0
-
-        def watched(*args, **kwargs):
-            nonlocal count
-            count += 1
-            progress(f'fitting: {count} replays')
-            return errors(*args, **kwargs)
-
-        campaign.errors = watched
-        start = _campaign_model(model)
-        if not unit:
-            campaign.tolerances = {}
-            campaign.driver = lambda trial: driver(Model(
-                trial.effects, {**start.factors, **trial.factors}))
-            # `errors` was bound before: bind it to the campaign that keeps the factors.
-            errors = type(campaign).errors.__get__(campaign)
-        found = fit(campaign, start, iterations=_FIT_STEPS).model
-        factors = found.factors if unit else start.factors
-        return PageModel(found.effects, {key: math.exp(value) for key, value in factors.items()
-                                         if value})
+        kept = {*locked, *(() if unit else (('', key) for key in self.campaign.tolerances))}
+        found = fit(self.campaign, _campaign_model(model), iterations=_FIT_STEPS, kept=kept,
+                    progress=progress).model
+        return PageModel(found.effects, {
+            key: math.exp(value) for key, value in found.factors.items() if value})
 
     def diagnose(self, model: PageModel, progress: Callable[[str], None]) -> dict:
         """Say what the model still lacks, and which models take it over."""
