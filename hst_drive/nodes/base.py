@@ -26,6 +26,7 @@ from rclpy.task import Future
 
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
+_AGAIN = 0.5    # s; from one word that we are ready to the next
 _TURN = 0.1     # s; how soon a signal is seen while no message comes
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 
@@ -35,8 +36,7 @@ class DriveNode(Node):
     Base of the nodes; ``role`` is the name by which the partners know it.
 
     A node on which nobody waits in every step may set ``gather`` (s): it then takes messages in
-    such batches, which spares the change of process that each message alone would cost. It counts
-    what it takes in ``handled``.
+    such batches, which spares the change of process that each message alone would cost.
 
     Life: ``__init__`` declares the parameters, ``configure`` builds the pure objects from them,
     ``activate`` opens the endpoints, ``started`` is called when the run may begin,
@@ -57,7 +57,6 @@ class DriveNode(Node):
         self.exit_code: int | None = None
         self.stopped = Future()
         self.gather = 0.0
-        self.handled = 0
         self.sync: sync.Sync | None = None
         self.answers: sync.Answers | None = None
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
@@ -78,7 +77,7 @@ class DriveNode(Node):
         self.answers = sync.Answers(self.sync, lambda: {
             name: output.published for name, output in outputs})
         self.taken = self.taken or wiring.recorded(self.partners)
-        self._waited = 0.0
+        self._waited, self._found = 0.0, False
         self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self._wall)
         if self._parent:
             self.create_timer(_WATCH_PERIOD, self._watch_parent, clock=self._wall)
@@ -133,19 +132,29 @@ class DriveNode(Node):
             self.answers.asked(stamp)
 
     def _said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
+        if word != sync.READY:
+            self._ready_timer.cancel()
         self.said(name, word, stamp, counts)
 
     def _check_ready(self) -> None:
-        missing = self.not_connected() if self.partners else []
         self._waited += _READY_PERIOD
+        if self._found:
+            # We see the plant, but it may not have seen us when we said so.
+            if self._waited >= _AGAIN:
+                self._waited = 0.0
+                self.sync.say(sync.READY)
+            return
+        missing = self.not_connected() if self.partners else []
         if missing:
             if self._waited >= _PATIENCE:
                 self._waited = 0.0
                 self.get_logger().warning(f'still waiting for a partner on {", ".join(missing)}')
             return
-        self.destroy_timer(self._ready_timer)
+        self._found, self._waited = True, 0.0
         if self.partners:
             self.sync.say(sync.READY)
+        else:
+            self._ready_timer.cancel()
         self.started()
 
     def _watch_parent(self) -> None:
@@ -192,14 +201,13 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         executor = _executor()
         executor.add_node(node)
         while rclpy.ok() and node.exit_code is None and not signals:
-            handled = node.handled
             # One call for many messages: what stands around a call costs as much as a message.
             # EventsExecutor without a timeout never runs a callback; with 0 it runs all that
             # are due. The future is new each time, as a call leaves something hanging on it.
             node.stopped = Future()
             executor.spin_until_future_complete(
                 node.stopped, timeout_sec=0.0 if node.gather else _TURN)
-            if node.gather and node.handled == handled:
+            if node.gather:
                 time.sleep(node.gather)
         end = time.monotonic() + _LONGEST_DRAIN
         while rclpy.ok() and node.drain() and time.monotonic() < end:

@@ -90,7 +90,6 @@ class Estimator(DriveNode):
                 if name not in _READ or name in self._expected]
 
     def _measured(self, topic: str, stamp: int, values: tuple[float, ...]) -> None:
-        self.handled += 1
         if topic not in self._channels:
             return
         for place, channel in self._channels[topic]:

@@ -62,6 +62,7 @@ COMMON = (
     Parameter('lockstep', False, 'simulated time: the nodes wait for each other in every step'),
     Parameter('partners', [], 'nodes that this run consists of; the plant starts when all are '
               'connected and, in lockstep, waits for them'),
-    Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock'),
+    Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock, and the '
+              'plant sends readings in bursts'),
 )
 """Parameters that every node has."""

@@ -3,19 +3,20 @@
 """The drive and its sensors as a node: what a real rig would publish, and its clock."""
 from __future__ import annotations
 
+from collections import deque
 import math
 import sys
 import time
 
-from hst_drive.bag.topics import TRUTH
 from hst_drive.errors import InputError
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.compose import STATES
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
-from hst_drive.nodes.endpoints import BILLION, ClockOutput, Output, topic_named
+from hst_drive.nodes.endpoints import BILLION, ClockOutput, topic_named
 from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.readings import BURST, Readings
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
 import numpy as np
@@ -32,6 +33,7 @@ class Plant(DriveNode):
     """Integrates the drive from sample to sample; commands hold between samples."""
 
     role = 'plant'
+    _readings: Readings | None = None
     parameters = (
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
         Parameter('effects', [], 'hidden effects: id.parameter=value (SI), '
@@ -62,7 +64,6 @@ class Plant(DriveNode):
         self._later = Drive(rig, effects) if late else None
         self._sensors = SensorBank(rig, settings['seed'])
         self._state = self._first_state()
-        self._names = wiring.readings(settings['extra_topics'])
         self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
         self._period = round(BILLION / settings['rate'])
         self._steps = (round(settings['duration'] * BILLION / self._period) or None
@@ -79,6 +80,7 @@ class Plant(DriveNode):
         self._unanswered: set[str] = set()
         self._asked, self._finishing, self._running = -1, False, False
         self._times = np.array([0.0, self._period / BILLION])
+        self._late: deque[float] = deque(maxlen=10_000)   # s behind the grid, in real time
         # Compiled code is loaded when it is first called: now, not in the first sample.
         self._drive.advance(self._state, 1e-3, pump_command=0.0, pprv_command=0.0)
 
@@ -89,29 +91,24 @@ class Plant(DriveNode):
 
     def activate(self) -> None:
         """Open the endpoints."""
-        self._publish_readings()
+        settings = self.settings
+        self._readings = Readings(
+            self, wiring.readings(settings['extra_topics']), self._sensors, settings['truth'],
+            BURST if self.lockstep and settings['lookahead'] else 1)
         self._awaited = [name for name in _INPUTS if topic_named(name).publisher in self.partners]
         for name in _INPUTS:
             self.listen_to(name, lambda stamp, values, name=name:
                            self._commanded(name, stamp, values[0]))
         if self.lockstep:
             self._clock_output = ClockOutput(self, 2 * sync.INTERVAL)
-        self._heard = time.monotonic()
         super().activate()
-        self._ready = False
+        self._heard, self._ready = time.monotonic(), False
         self.create_timer(0.25, self._watch, clock=self._wall)
 
-    def _publish_readings(self) -> None:
-        # What the controller waits for goes out first: it works while the rest is published.
-        for name in sorted(self._names, key=lambda name: name not in wiring.READS['controller']):
-            topic = topic_named(name)
-            sensor = self._sensors.sensors.get(topic.fields[0].channel)
-            self.outputs[name] = Output(self, topic, sensor.noise_std**2 if sensor else 0.0)
-        if self.settings['truth']:
-            self.publish_to(*(f'{TRUTH}{name}' for name in self._names))
-        self._published = [
-            (output, [field.channel or 'motor_angle' for field in output.topic.fields],
-             name.startswith(TRUTH)) for name, output in self.outputs.items()]
+    def deactivate(self) -> None:
+        """Publish what was kept for a burst."""
+        if self._readings:
+            self._readings.send()
 
     def not_connected(self) -> list[str]:
         """Return the topics on which a partner is missing; load_profile reads the clock."""
@@ -125,6 +122,7 @@ class Plant(DriveNode):
     def started(self) -> None:
         """Begin when all partners are ready."""
         self._ready = True
+        self._ready_timer.cancel()
         self._begin()
 
     def said(self, name: str, word: str, stamp: int, counts: dict[str, int]) -> None:
@@ -151,10 +149,10 @@ class Plant(DriveNode):
             self.sync.say(sync.START, self._start, counts)
             self._next_step()
         else:
-            self._start = self.now()
+            self._start, self._began = self.now(), time.monotonic()
+            self.create_timer(self._period / BILLION, self._tick, clock=self._wall)
             self.sync.say(sync.START, self._start)
             self._tick()
-            self.create_timer(self._period / BILLION, self._tick, clock=self._wall)
 
     def _stamp(self) -> int:
         return self._start + self._step * self._period
@@ -209,6 +207,7 @@ class Plant(DriveNode):
 
     def _ask(self, word: str) -> None:
         self._unanswered = {name for name in self.partners if name != self.role}
+        self._readings.send()
         self._asked = self._stamp()
         self.sync.say(word, self._asked, self.answers.counts())
         if word == sync.LAST and not self._unanswered:
@@ -229,18 +228,14 @@ class Plant(DriveNode):
         inputs = {name: np.array([held[name], value]) for name, value in self._inputs.items()}
         # The commands of this step act from now on; the readings are taken just before.
         result = self._drive.simulate(self._times, inputs, state)
-        row = 0 if first else 1
-        truth = {name: float(values[row]) for name, values in result.items()}
+        truth = {name: float(values[0 if first else 1]) for name, values in result.items()}
         if not math.isfinite(truth['motor_speed'] + truth['pump_outlet_pressure']):
+            self._readings.send()
             self.stop(1, f'the drive left all bounds at step {self._step}')
             return
-        truth['oil_temperature'] = self._inputs['oil_temperature']
-        truth['motor_angle'] = float(state[_ANGLE])
-        readings = {**truth, **self._sensors.read(truth)}
-        stamp = self._stamp()
-        for output, channels, noiseless in self._published:
-            source = truth if noiseless else readings
-            output.publish(stamp, *[source[channel] for channel in channels])
+        truth.update(oil_temperature=self._inputs['oil_temperature'],
+                     motor_angle=float(state[_ANGLE]))
+        self._readings.publish(self._stamp(), {**truth, **self._sensors.read(truth)}, truth)
         self._tell()
 
     def _tick(self) -> None:
@@ -253,6 +248,7 @@ class Plant(DriveNode):
         due = passed // self._period
         while self._step < due and self.exit_code is None:
             self._step += 1
+            self._late.append((passed - self._step * self._period) / BILLION)
             self._held = dict(self._inputs)
             self._measure()
             if self._steps is not None and self._step + 1 >= self._steps:
@@ -263,6 +259,8 @@ class Plant(DriveNode):
             self.sync.say(sync.LAST, self._stamp())
             # Else the word goes down with this process, a fault to the others.
             self.sync.publisher.wait_for_all_acked(Duration(seconds=1.0))
+            if self.settings['progress']:
+                print('late', *np.percentile(self._late, (50, 99, 100)).round(6), flush=True)
         self._tell(last=True)
         self.stop(0)
 

@@ -161,7 +161,6 @@ class Recorder(DriveNode):
             lambda data, name=name: self._take(name, data), qos_profile(offered, _DEPTH), raw=True)
 
     def _take(self, name: str, data: bytes) -> None:
-        self.handled += 1
         self._last_message = time.monotonic()
         stamp = stamp_of(data)
         if not self.lockstep:

@@ -16,7 +16,8 @@ the slowest answer, so no queue overflows and no message is lost.
 
 When time runs as fast as it goes, load_profile does not answer the clock but plays in bursts,
 ``LOOKAHEAD`` steps beyond each question: what it publishes depends on time alone, and a third of
-all changes of process are spared. Stamps and content of the messages are the same.
+all changes of process are spared. For the same reason the plant sends the readings that nobody
+answers in bursts of ``readings.BURST`` steps. Stamps and content of the messages are the same.
 """
 from __future__ import annotations
 
