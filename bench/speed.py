@@ -3,9 +3,12 @@
 """
 How fast it is: one table with the machine, medians of several runs, and ratios.
 
-    python -m bench.speed [simulation diagnosis compare bags start] [--runs 3]
+    python -m bench.speed [simulation diagnosis compare bags start nodes nodes_first] [--runs 3]
 
-Times are CPU seconds, so that other work on the machine counts little; its load is printed.
+Times are CPU seconds, so that other work on the machine counts little; its load is printed. The
+part 'nodes' needs rclpy; late is how long after its time the plant took a sample. 'nodes_first' is
+the same with a real-time priority for the nodes: on a busy machine, the nearest to an idle one;
+needs root.
 """
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ import sys
 import tempfile
 from typing import NamedTuple
 
-from bench import speed_cases as cases
+from bench import live, speed_cases as cases
 from hst_drive.cli import verbs
 from hst_drive.cli.output import table
 
@@ -132,22 +135,50 @@ def start(runs: int) -> Iterator[Row]:
                   f'peak {max(entry[2] for entry in found):.0f} MB')
 
 
+def nodes(runs: int) -> Iterator[Row]:
+    """All nodes at once: lockstep as fast as it goes, and real time at 100 Hz and 1 kHz."""
+    yield from _nodes(runs, False)
+
+
+def nodes_first(runs: int) -> Iterator[Row]:
+    """As ``nodes``, before all other work: nearly as on an idle machine; needs root."""
+    yield from _nodes(runs, True)
+
+
+def _nodes(runs: int, first: bool) -> Iterator[Row]:
+    found = [live.run(60.0, first=first) for _ in range(runs)]
+    factor = median(entry.factor for entry in found)
+    yield _live_row('lockstep, 100 Hz, 60 s', found, f'{factor:.1f} x real time',
+                    live.cpu_text(found, 1e3, 'ms CPU per simulated s'))
+    for rate in (100.0, 1000.0):
+        found = [live.run(12.0, realtime=True, rate=rate, first=first) for _ in range(runs)]
+        late = [1e3 * median(entry.late[place] for entry in found) for place in range(3)]
+        yield _live_row(f'real time, plant at {rate:g} Hz, 10 s', found,
+                        'late p50 {:.2f}, p99 {:.2f}, max {:.2f} ms'.format(*late),
+                        live.cpu_text(found, 100, '% CPU'))
+
+
+def _live_row(what: str, found: list[live.Found], ratio: str, remark: str) -> Row:
+    return Row(what, median(sum(entry.cpu.values()) for entry in found),
+               median(entry.wall for entry in found), ratio, remark)
+
+
 PARTS = {'simulation': simulation, 'diagnosis': diagnosis, 'compare': compare, 'bags': bags,
-         'start': start}
+         'start': start, 'nodes': nodes, 'nodes_first': nodes_first}
 
 
 def main() -> int:
     """Run the parts that were asked for, and print a table each."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
     parser.add_argument('parts', nargs='*', metavar='PART', choices=[*PARTS, []],
-                        help=f'{", ".join(PARTS)} (default: all)')
+                        help=f'{", ".join(PARTS)} (default: all but the last)')
     parser.add_argument('--runs', type=int, default=3)
     args = parser.parse_args()
     print(machine())
     commit = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], capture_output=True,
                             text=True, check=False).stdout.strip()
     print(f'median of {args.runs} runs or more; commit {commit}', flush=True)
-    for name in args.parts or PARTS:
+    for name in args.parts or [name for name in PARTS if name != 'nodes_first']:
         rows = []
         for row in PARTS[name](args.runs):
             print(f'{name}: {row.what}: {row.cpu:.4g} s', file=sys.stderr, flush=True)
