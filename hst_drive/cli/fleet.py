@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-import os
 from pathlib import Path
 import sys
 import time
@@ -49,9 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose all campaigns and print the table."""
-    # Each process is one worker: more threads in each would only stand in each other's way.
-    for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
-        os.environ.setdefault(name, '1')
     from hst_drive.diagnose.document import as_json
     from hst_drive.fleet.campaigns import find_campaigns
     from hst_drive.fleet.run import run_fleet
