@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hst_drive.errors import InputError
+from hst_drive.measure.faults import without_faults
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
 
@@ -37,7 +38,10 @@ class Signal:
 def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], source: str,
                notes: Sequence[str], rows: str = 'rows') -> Run:
     """
-    Check a recording and return it; channels without a single number are left out.
+    Check a recording and return it.
+
+    Channels without a single number are left out, and so are samples that a sensor's fault made
+    (``hst_drive.measure.faults``).
 
     Raises
     ------
@@ -66,6 +70,10 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
     notes += [f'{", ".join(names)}: {missing} of {len(time)} samples missing'
               for missing, names in holes.items()]
     notes += _interruptions(time)
+    sensors, faults = without_faults(time, {channel: values for channel, values in kept.items()
+                                            if CHANNELS[channel].hold == 'linear'})
+    kept.update(sensors)
+    notes += faults
     if not kept:
         raise InputError(f'{source}: none of its channels holds a number')
     return Run(name, time, kept, source, tuple(notes))

@@ -47,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compare and print."""
     from hst_drive.measure.compare import compare, model_of
+    from hst_drive.measure.witnesses import drifts, unit_doubts
 
     if args.plot:
         check_plot(args.plot)
@@ -58,6 +59,10 @@ def run(args: argparse.Namespace) -> int:
         for entry in runs:
             for note in entry.notes:
                 say(f'{entry.name}: {note}')
+            for line in unit_doubts(rig, entry):
+                say(f'{entry.name}: {line}; mend the unit, or leave the column out')
+        for drift in drifts(rig, runs):
+            say(drift.told)
         result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
                          all_seconds=args.all)
     # With the JSON on standard output, nothing else may stand there.

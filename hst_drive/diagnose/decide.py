@@ -21,6 +21,7 @@ from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -55,6 +56,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         If the logs lack the channels that a replay needs.
 
     """
+    refuse_wrong_units(rig, (*runs, *holdout))
+    drifting = drifts(rig, (*runs, *holdout))
     progress('calibrating the unit')
     campaign = campaign_of(rig, runs, holdout)
     sheet = campaign.errors(Model())
@@ -73,6 +76,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)
+    if left and drifting:
+        remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     order = _order(search, best)
     rivals = {name: _rivals(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
@@ -85,7 +90,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     verdict = ('unknown' if left else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
-        verdict=verdict, sentence=_sentence(verdict, effects, ladder, remaining),
+        verdict=verdict, sentence=' '.join([
+            _sentence(verdict, effects, ladder, remaining).strip(), *(
+                f'{entry.told}; mend the sensor or leave its column out.' for entry in drifting)]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in hidden and entry.id not in best.names},

@@ -243,7 +243,9 @@ class Replay:
         return np.abs(measured - low) <= near, np.abs(measured - high) <= near
 
     def _unexplained(self, drive: Drive) -> np.ndarray:
-        return np.where(self._turning, self._measured - self._load_model(drive), 0.0)
+        rest = np.where(self._turning, self._measured - self._load_model(drive), 0.0)
+        # Where no torque was read the load model goes on, with what it missed beside the gap.
+        return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
     def _slow(self, values: np.ndarray) -> np.ndarray:
         # Three running means: as good as a Gaussian here, at a cost that does not grow with width.

@@ -1,0 +1,185 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Samples that a sensor, its cable or its logger made: spikes, and readings that stand still.
+
+They are told from the recording alone, without a model. Told from the drive's own motion they are
+by what a sensor's fault alone does: one reading jumps and comes back while no other follows, or
+it repeats one number to the last digit where it never did before.
+"""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple
+
+import numpy as np
+
+_WIDTHS = (1, 2)        # samples of a spike
+_CLEAR = 12.0           # times what the readings around it scatter
+_RETURNS = 4.0          # a spike is so many times what the signal moves by beside it
+_STEPS = 3.5            # of the sensor's resolution at least
+_TAIL = 97.0            # percentile of how far readings lie off their neighbours' line
+_BEYOND = 4.0           # times that: what a signal does now and then is no fault
+_AROUND = 25            # samples on either side that tell the scatter
+_FOLLOWS = 3            # samples within which another channel follows a real jump
+_MOVES = 6.0            # times its usual step: it follows
+_SHARE = 0.1            # of how far the jump itself stands out, if that is more
+_SPARSE = 0.02          # share of spikes above which they are how the signal is
+_STANDS = 1.0           # s: shorter repetitions are chance
+_REPEATS = 20.0         # times the usual length of a repetition
+_USUAL = 95.0           # percentile of the lengths of repetitions that is usual
+_JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
+_TOLD = 3
+
+
+class Faults(NamedTuple):
+    """What was found in one channel: spikes (indices) and frozen stretches (first, end)."""
+
+    spikes: np.ndarray
+    frozen: tuple[tuple[int, int], ...]
+
+
+def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tuple[
+        dict[str, np.ndarray], list[str]]:
+    """
+    Return channels with NaN for the samples that faults made, and notes that tell which.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        s, rising.
+    channels : mapping of str to ndarray, shape (n,)
+        Readings of sensors; any unit, NaN where missing. Commands jump by nature: leave them out.
+
+    """
+    found = find_faults(time, channels)
+    clean, notes = dict(channels), []
+    for name, faults in found.items():
+        values = channels[name].copy()
+        if len(faults.spikes):
+            values[faults.spikes] = np.nan
+            places = ', '.join(f'{time[place]:.4g}' for place in faults.spikes[:_TOLD])
+            more = ' and later' if len(faults.spikes) > _TOLD else ''
+            notes.append(f'{name}: {len(faults.spikes)} of {len(time)} samples are spikes that '
+                         f'no other channel follows (at {places} s{more}); left out')
+        for first, end in faults.frozen:
+            values[first:end] = np.nan
+        if faults.frozen:
+            spans = ', '.join(f'{time[first]:.4g} to {time[end - 1]:.4g} s'
+                              for first, end in faults.frozen[:_TOLD])
+            more = f' and {len(faults.frozen) - _TOLD} more' if len(faults.frozen) > _TOLD else ''
+            notes.append(f'{name}: stands still to the last digit from {spans}{more}: a frozen '
+                         'or disconnected sensor; left out')
+        clean[name] = values
+    return clean, notes
+
+
+def find_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Faults]:
+    """Return the faults of each channel that has any."""
+    if len(time) < 4 * _AROUND:
+        return {}
+    step = float(np.median(np.diff(time)))
+    steps = {name: _resolution(values) for name, values in channels.items()}
+    found = {}
+    for name, values in channels.items():
+        spikes = _spikes(values, steps[name])
+        if len(spikes):
+            spikes = spikes[~_followed(spikes, values, {
+                other: entry for other, entry in channels.items() if other != name})]
+        if len(spikes) > _SPARSE * len(values):
+            spikes = spikes[:0]
+        frozen = _frozen(values, step, steps[name])
+        if len(spikes) or frozen:
+            found[name] = Faults(spikes, frozen)
+    return found
+
+
+def _followed(spikes: np.ndarray, values: np.ndarray,
+              others: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Tell at which spikes another reading moves as well: then it is the drive."""
+    moves = np.zeros(len(spikes), dtype=bool)
+    near = spikes[:, None] + np.arange(-_FOLLOWS, _FOLLOWS)
+    about = np.clip(spikes[:, None] + np.arange(-_AROUND, _AROUND), 1, len(values) - 2)
+    # A large jump of the drive moves the others far, too.
+    own = 0.5 * np.abs(2 * values - np.roll(values, 1) - np.roll(values, -1))
+    size = own[spikes] / np.maximum(np.nanmedian(own[about], axis=1), 1e-300)
+    for other in others.values():
+        changes = np.abs(np.diff(other, append=other[-1:]))
+        # a row at 0 throughout is one that the logger lost, not a drive that moves
+        lost = (other == 0.0) & (values == 0.0)
+        changes[lost | np.roll(lost, -1)] = 0.0
+        changes = np.nan_to_num(changes)
+        usual = np.median(changes[about], axis=1)
+        most = np.max(changes[np.clip(near, 0, len(other) - 1)], axis=1)
+        moves |= (most > np.maximum(_MOVES, _SHARE * size) * usual) & (usual > 0.0)
+    return moves
+
+
+def _resolution(values: np.ndarray) -> float:
+    """Return the smallest change that the readings show."""
+    changes = np.abs(np.diff(values[np.isfinite(values)]))
+    changes = changes[changes > 1e-9 * max(float(np.max(changes, initial=0.0)), 1e-300)]
+    return float(np.percentile(changes, 1)) if len(changes) else 0.0
+
+
+def _spikes(values: np.ndarray, resolution: float) -> np.ndarray:
+    """Return the indices of readings that jump away and come back at once."""
+    good = np.flatnonzero(np.isfinite(values))
+    if len(good) < 4 * _AROUND:
+        return good[:0]
+    x = values[good]
+    found: list[np.ndarray] = []
+    for width in _WIDTHS:
+        # x[k - 1] and x[k + width] are the edges of the block that begins at k.
+        k = np.arange(3, len(x) - width - 2)
+        line = 0.5 * (x[k - 1] + x[k + width])
+        off = np.min([np.abs(x[k + i] - line) for i in range(width)], axis=0)
+        sides = [np.sign(x[k + i] - line) for i in range(width)]
+        off = np.where(sides[0] == sides[-1], off, 0.0)
+        usual = 1.4826 * float(np.median(off))
+        rare = _BEYOND * float(np.percentile(off, _TAIL))
+        far = off > max(0.5 * _CLEAR * usual, rare, _STEPS * resolution)
+        k, off = k[far], off[far]
+        if not len(k):
+            continue
+        edge = np.abs(x[k + width] - x[k - 1])
+        # The second smallest: another spike beside this one does not count, ringing does.
+        beside = np.sort(np.abs([x[k - 1] - x[k - 2], x[k - 2] - x[k - 3],
+                                 x[k + width + 1] - x[k + width],
+                                 x[k + width + 2] - x[k + width + 1]]), axis=0)[1]
+        places = k[:, None] + np.arange(-_AROUND, _AROUND)
+        places = np.clip(places, 1, len(x) - 2)
+        rough = np.abs(x[places] - 0.5 * (x[places - 1] + x[places + 1]))
+        scatter = 1.4826 * np.median(rough, axis=1)
+        limit = np.max([_CLEAR * scatter, _RETURNS * edge, _RETURNS * beside,
+                        np.full(len(k), _STEPS * resolution)], axis=0)
+        first = k[off > limit]
+        found.append((first[:, None] + np.arange(width)).ravel())
+    return good[np.unique(np.concatenate(found))] if found else good[:0]
+
+
+def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[int, int], ...]:
+    """Return stretches over which a reading that else moves repeats one number."""
+    same = np.concatenate([[False], np.diff(values) == 0.0, [False]])
+    edges = np.flatnonzero(np.diff(same.astype(int)))
+    first, end = edges[::2], edges[1::2] + 1
+    finite = values[np.isfinite(values)]
+    if not len(first) or not len(finite) or resolution == 0.0:
+        return ()
+    length = end - first
+    alone = max(len(finite) - int(length.sum()), 0)
+    # each reading counts once: usual is how long a repetition lasts in which one finds oneself
+    short = length[length * step < _STANDS]
+    usual = np.percentile(np.concatenate([short, np.ones(alone)]), _USUAL) \
+        if alone + len(short) else np.inf
+    limit = max(_STANDS / step, _REPEATS * usual)
+    changes = np.abs(np.diff(finite))
+    jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
+    ends = float(finite.min()), float(finite.max()), 0.0
+    found = []
+    for a, b in zip(first[length > limit].tolist(), end[length > limit].tolist()):
+        into = [abs(values[place] - values[a]) for place in (a - 1, b) if 0 <= place < len(values)]
+        # A drive at rest, and a reading at the end of its range, stand still as well: but they
+        # come there and go without a jump.
+        if values[a] not in ends or any(size > jump for size in into):
+            found.append((a, b))
+    return tuple(found)

@@ -1,0 +1,256 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Sensors against each other: a wrong unit, a wrong sign, a reading that drifts.
+
+Three witnesses tell the flow (pump command, flow meter, speed) and three the load (PPRV command,
+torque, pressure), each within what a drive's losses can be. Where two agree and one is off by a
+factor, or parts from both as time passes, it is that one's sensor, unit or clock, and no physics.
+"""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, Sequence
+
+from hst_drive.errors import InputError
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.measure.balances import PRESSURES
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.rig import Rig
+import numpy as np
+
+_BLOCK = 2.0            # s over which readings are taken together
+_FEW = 8                # blocks: fewer tell nothing
+_HIGH = 90.0            # percentile that stands for a witness's size
+_LOW = 0.15             # of it: below, losses outweigh what they are losses of
+_AGREE = 1.4            # ratio of two witnesses that agree
+_FLOW, _LOAD = 1.7, 2.5     # ratio that no loss and no tolerance makes
+_KNOWN = 0.06           # how near a ratio lies to that of a unit
+_HOTTEST = 115.0 + 273.15   # K: no hydraulic oil is, in the median
+_DRIFT = 0.03           # of the size, from start to end
+_SURE = 8.0             # standard deviations
+_APART = 0.15           # of the time that load and oil must leave unexplained
+_WARMS = 1.0            # K: less is noise
+_ALONE = 0.3            # of its drift: what the others may part from each other
+_COMMANDS = ('pump_command', 'pprv_command')
+
+# What one unit reads when it is taken for the usual one of its quantity.
+_UNITS: dict[str, dict[str, float]] = {
+    'bar': {'psi as bar': 14.5038, 'bar as psi': 1 / 14.5038, 'kPa as bar': 100.0,
+            'bar as kPa': 0.01, 'MPa as bar': 0.1, 'a factor of 10': 10.0},
+    'rpm': {'rad/s as rpm': 0.1047198, 'rpm as rad/s': 9.549297, '1/s as rpm': 1 / 60,
+            'deg/s as rpm': 6.0},
+    'L/min': {'L/s as L/min': 1 / 60, 'm^3/h as L/min': 0.06, 'gal/min as L/min': 1 / 3.785412,
+              'L/min as gal/min': 3.785412, 'L/min as L/s': 60.0},
+    'N.m': {'lbf.ft as N.m': 1 / 1.3558179, 'N.m as lbf.ft': 1.3558179, 'kN.m as N.m': 0.001,
+            'lbf.in as N.m': 8.850746, 'daN.m as N.m': 0.1},
+}
+
+
+class Group(NamedTuple):
+    """
+    Witnesses of one quantity by channel, SI, one value a block.
+
+    ``beyond`` is the ratio that no loss makes, ``conditions`` is what losses depend on.
+    """
+
+    values: Mapping[str, np.ndarray]
+    beyond: float
+    conditions: Sequence[np.ndarray]
+
+
+class Drift(NamedTuple):
+    """A channel that parts from the others as time passes, and that in words."""
+
+    channel: str
+    told: str
+
+
+def refuse_wrong_units(rig: Rig, runs: Sequence[Run]) -> None:
+    """
+    Check that no sensor of the recordings is off by a factor against the others.
+
+    Raises
+    ------
+    InputError
+        Otherwise; names log, channel, how far it is off and as what.
+
+    """
+    for run in runs:
+        told = unit_doubts(rig, run)
+        if told:
+            raise InputError(f'{run.source}: {"; ".join(told)}; no missing physics does that: '
+                             'mend the unit (column header or --channels) or leave the column out')
+
+
+def unit_doubts(rig: Rig, run: Run) -> list[str]:
+    """Return a line for each channel that is off by a factor or a sign."""
+    found = []
+    temperature = run.channels.get('oil_temperature')
+    if temperature is not None and _median(temperature) > _HOTTEST:
+        found.append(f'oil_temperature is {_median(temperature) - 273.15:.0f} degC in the median, '
+                     'which no oil is (K or degF as degC?)')
+    return found + [line for group in _groups(rig, run) for line in _factor(group)]
+
+
+def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
+    """Return the channels that drift in any of the recordings, without those in a wrong unit."""
+    return [drift._replace(told=f'{run.name}: {drift.told}') for run in runs
+            for group in _groups(rig, run) if not _factor(group) for drift in _drift(group)]
+
+
+def _groups(rig: Rig, run: Run) -> list[Group]:
+    """Return the witnesses that rig and recording give."""
+    changes = np.flatnonzero(np.diff((run.time - run.time[0]) // _BLOCK)) + 1
+    edges = [0, *changes.tolist(), len(run)]
+
+    def blocks(values: np.ndarray) -> np.ndarray:
+        return np.array([_median(values[a:b]) for a, b in zip(edges, edges[1:])])
+
+    pump, motor = rig.pump, rig.motor
+    size = motor.displacement if motor else 0.0
+    flow, load = {}, {}
+    if pump and pump.displacement is not None and 'pump_command' in run:
+        speed = run.channels.get('pump_speed', np.full(len(run), pump.shaft_speed))
+        flow['pump_command'] = blocks(pump.displacement(run['pump_command']) * speed)
+    if 'motor_inlet_flow' in run:
+        flow['motor_inlet_flow'] = blocks(run['motor_inlet_flow'])
+    if 'motor_speed' in run and size:
+        flow['motor_speed'] = blocks(run['motor_speed']) * size
+    turning = flow.get('pump_command', flow.get('motor_inlet_flow', flow.get('motor_speed')))
+    unit = _loading_unit(rig)
+    if unit and size and 'pprv_command' in run and turning is not None:
+        load['pprv_command'] = np.array([
+            unit.torque_of_command(command, speed) if np.isfinite(command + speed) else np.nan
+            for command, speed in zip(blocks(run['pprv_command']).tolist(),
+                                      (turning / size).tolist())])
+    for name in ('load_torque', 'motor_torque'):
+        if name in run:
+            load[name] = blocks(run[name])
+    # Losses as they are at the load that the others tell: the pressure itself may be off.
+    torque = next(iter(load.values()), None)
+    for name in PRESSURES:
+        if name in run and size and turning is not None:
+            pressure = blocks(run[name])
+            usual = np.abs(pressure if torque is None else torque / size)
+            load[name] = pressure * size * motor.mechanical_efficiency(
+                usual, np.abs(turning) / size)
+    if len(edges) <= _FEW:
+        return []
+    conditions = [blocks(run[name]) for name in _COMMANDS if name in run]
+    if 'oil_temperature' in run:
+        oil = blocks(run['oil_temperature'])
+        if np.nanmax(oil) - np.nanmin(oil) > _WARMS:
+            conditions += [oil, (oil - np.nanmean(oil))**2]
+    return [Group(flow, _FLOW, conditions), Group(load, _LOAD, conditions)]
+
+
+def _loading_unit(rig: Rig) -> LoadingUnit | None:
+    try:
+        return LoadingUnit.of(rig.loading) if rig.loading else None
+    except ValueError:      # a table that gives no command for a torque: no witness
+        return None
+
+
+def _median(values: np.ndarray) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else np.nan
+
+
+def _ratio(a: np.ndarray, b: np.ndarray) -> float:
+    """Return the median ratio of two witnesses where the second is not small; NaN if nowhere."""
+    good = np.isfinite(a) & np.isfinite(b)
+    if good.sum() < _FEW:
+        return np.nan
+    a, b = a[good], b[good]
+    large = np.abs(b) > _LOW * np.percentile(np.abs(b), _HIGH)
+    large &= b != 0.0
+    return float(np.median(a[large] / b[large])) if large.sum() >= _FEW else np.nan
+
+
+def _alike(ratio: float) -> bool:
+    return 1 / _AGREE < ratio < _AGREE
+
+
+def _factor(group: Group) -> list[str]:
+    """Tell which witness is off by a factor from two that agree."""
+    names = list(group.values)
+    for name in names:
+        others = [other for other in names if other != name]
+        pairs = [_ratio(group.values[a], group.values[b]) for i, a in enumerate(others)
+                 for b in others[i + 1:]]
+        against = [_ratio(group.values[name], group.values[other]) for other in others]
+        if not pairs or not all(map(_alike, pairs)) or any(map(np.isnan, against)):
+            continue
+        ratio = float(np.median(against))
+        unit = _unit_of(name, ratio)
+        clear = not 1 / group.beyond < ratio < group.beyond
+        if not clear and not (unit and all(abs(pair - 1) < 0.15 for pair in pairs)):
+            continue
+        said = f'{name} reads {abs(ratio):.3g} times what {" and ".join(others)} say'
+        if ratio < 0:
+            said += ', with the other sign'
+        return [said + (f' ({unit}?)' if unit else '')]
+    return []
+
+
+def _unit_of(name: str, ratio: float) -> str:
+    """Return the slip of a unit that makes a ratio; empty if none is known."""
+    # A pressure holds the losses, too.
+    near = 0.2 if name in PRESSURES else _KNOWN
+    for title, factor in _UNITS.get(CHANNELS[name].display, {}).items():
+        if abs(abs(ratio) / factor - 1) < near:
+            return title
+    return ''
+
+
+def _drift(group: Group) -> list[Drift]:
+    """Tell which witness parts from two others as time passes, whatever load and oil do."""
+    names = list(group.values)
+    if len(names) < 3:
+        return []
+    best, told = 0.0, []
+    for name in names:
+        others = [other for other in names if other != name]
+        size = float(np.nanpercentile(np.abs(group.values[others[0]]), _HIGH))
+        own = [_trend(group, name, other) for other in others]
+        sure = min(entry[1] for entry in own)
+        change = float(np.median([entry[0] for entry in own]))
+        apart = max(abs(_trend(group, a, b)[0]) for i, a in enumerate(others)
+                    for b in others[i + 1:])
+        if sure > max(best, _SURE) and abs(change) > _DRIFT * size > 0 \
+                and apart < _ALONE * abs(change):
+            best = sure
+            told = [] if name in _COMMANDS else [Drift(
+                name, f'{name} drifts: from start to end of the log it moves by '
+                f'{100 * change / size:+.0f} % of its size against {" and ".join(others)}')]
+    return told
+
+
+def _trend(group: Group, name: str, other: str) -> tuple[float, float]:
+    """
+    Return how far two witnesses part within the log, and by how many standard deviations.
+
+    What goes with load, speed and oil temperature is taken away first: what time alone explains
+    counts.
+    """
+    a, b = group.values[name], group.values[other]
+    count, terms = len(a), [b, b**2, *group.conditions]
+    time = np.linspace(-0.5, 0.5, count)
+    columns = [np.ones(count), *((term - np.nanmean(term)) / np.nanstd(term) for term in terms
+                                 if np.nanstd(term) > 1e-3 * np.nanmax(np.abs(term)))]
+    columns.append(time)
+    matrix = np.column_stack(columns)
+    good = np.isfinite(matrix).all(axis=1) & np.isfinite(a)
+    good &= np.abs(b) > _LOW * np.nanpercentile(np.abs(b), _HIGH)
+    if good.sum() < len(columns) + _FEW:
+        return 0.0, 0.0
+    matrix, y = matrix[good], (a - b)[good]
+    others, time = matrix[:, :-1], time[good]
+    alone = time - others @ np.linalg.lstsq(others, time, rcond=None)[0]
+    if np.std(alone) < _APART * np.std(time):
+        return 0.0, 0.0     # load or oil went with the time: which of them it is cannot be told
+    found = np.linalg.lstsq(matrix, y, rcond=None)[0]
+    rest = y - matrix @ found
+    variance = float(rest @ rest) / (len(y) - matrix.shape[1])
+    error = np.sqrt(variance * np.linalg.pinv(matrix.T @ matrix)[-1, -1])
+    return float(found[-1]), float(abs(found[-1]) / max(error, 1e-300))

@@ -1,0 +1,103 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What sensors, cables and loggers do to a recording, told from what a drive does."""
+from pathlib import Path
+
+from hst_drive.bag import read_log
+from hst_drive.measure.faults import find_faults, without_faults
+from hst_drive.measure.run import CHANNELS
+import numpy as np
+import pytest
+
+CASES = Path(__file__).resolve().parents[3] / 'shared' / 'cases'
+RATE = 100.0
+TIME = np.arange(6000) / RATE
+
+
+def sensors(seed=0, time=TIME):
+    """Return three readings of a resonance that steps of a load excite, each with its noise."""
+    random = np.random.default_rng(seed)
+    step = np.zeros(len(time))
+    for begin in np.arange(3.0, 58.0, 4.0):
+        after = time > begin
+        step[after] += 20.0 * random.standard_normal() * (1.0 - np.exp(
+            -3.0 * (time[after] - begin)) * np.cos(60.0 * (time[after] - begin)))
+    return {name: np.round((offset + gain * step + noise * random.standard_normal(len(time)))
+                           / resolution) * resolution
+            for name, offset, gain, noise, resolution in (
+                ('pump_outlet_pressure', 100.0, 1.0, 0.12, 0.049),
+                ('motor_speed', 100.0, -0.1, 0.15, 0.1),
+                ('load_torque', 200.0, 2.0, 0.5, 0.1))}
+
+
+@pytest.mark.parametrize('rate', (500.0, 100.0, 50.0, 20.0))
+def test_a_drive_has_no_faults(rate):
+    for seed in range(5):
+        time = np.arange(0.0, 60.0, 1.0 / rate)
+        assert find_faults(time, sensors(seed, time)) == {}
+
+
+@pytest.mark.skipif(not CASES.is_dir(), reason='no recordings beside the project')
+@pytest.mark.parametrize('every', (1, 2, 5, 10))
+def test_recordings_of_drives_have_none_at_any_rate(every):
+    for path in sorted(CASES.glob('*/*.csv')):
+        run = read_log(path)
+        assert not any('left out' in note for note in run.notes), path
+        found = find_faults(run.time[::every], {
+            name: values[::every] for name, values in run.channels.items()
+            if CHANNELS[name].hold == 'linear'})
+        assert found == {}, path
+
+
+@pytest.mark.parametrize('name, size', (
+    ('pump_outlet_pressure', 60.0), ('pump_outlet_pressure', -12.0), ('motor_speed', 12.0),
+    ('load_torque', 200.0)))
+def test_spikes_are_found_and_nothing_else_goes(name, size):
+    """All of them, singles and pairs; of the good samples none."""
+    clean = sensors(3)
+    random = np.random.default_rng(1)
+    quiet = np.flatnonzero((TIME - 3.0) % 4.0 > 1.5)[::10]
+    places = np.sort(random.choice(quiet[2:-2], 15, replace=False))
+    spoilt = {**clean, name: clean[name].copy()}
+    spoilt[name][places] += size
+    spoilt[name][places[3] + 1] += size
+    found = find_faults(TIME, spoilt)
+    assert list(found) == [name]
+    assert set(found[name].spikes) == {*places, places[3] + 1}
+    mended, notes = without_faults(TIME, spoilt)
+    keep = np.isfinite(mended[name])
+    assert keep.sum() == len(TIME) - 16 and np.array_equal(mended[name][keep], clean[name][keep])
+    assert '16 of 6000 samples are spikes that no other channel follows' in notes[0]
+
+
+def test_a_blow_that_all_sensors_feel_is_no_fault():
+    spoilt = {name: values + 50.0 * (np.arange(6000) % 700 == 350)
+              for name, values in sensors(2).items()}
+    assert find_faults(TIME, spoilt) == {}
+
+
+def test_rows_that_a_logger_lost_are_at_zero_throughout():
+    spoilt = sensors(2)
+    for values in spoilt.values():
+        values[[1000, 2500, 4321]] = 0.0
+    assert {name: list(entry.spikes) for name, entry in find_faults(TIME, spoilt).items()} == \
+        dict.fromkeys(spoilt, [1000, 2500, 4321])
+
+
+@pytest.mark.parametrize('value', (None, 0.0))
+def test_a_frozen_sensor_is_left_out_while_it_stands(value):
+    spoilt = sensors(4)
+    speed = spoilt['motor_speed']
+    speed[2000:2600] = speed[2000] if value is None else value
+    mended, notes = without_faults(TIME, spoilt)
+    assert np.isnan(mended['motor_speed'][2001:2600]).all()
+    assert np.isnan(mended['motor_speed']).sum() <= 603
+    assert len(notes) == 1 and notes[0].startswith('motor_speed: stands still')
+
+
+def test_a_drive_at_rest_and_a_slow_thermometer_are_not_frozen():
+    readings = sensors(5)
+    speed = readings['motor_speed']
+    speed[:] = np.round(speed * np.clip((TIME - 5.0) / 3.0, 0.0, 1.0), 1)
+    oil = np.round(np.repeat(np.linspace(40.0, 60.0, 60), 100), 1)
+    assert find_faults(TIME, {**readings, 'oil_temperature': oil}) == {}
