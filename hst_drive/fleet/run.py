@@ -11,8 +11,11 @@ from __future__ import annotations
 from collections import deque
 from concurrent.futures import (
     BrokenExecutor, Executor, FIRST_COMPLETED, ProcessPoolExecutor, wait)
+from contextlib import contextmanager
 import multiprocessing
 import os
+import threading
+import time
 from typing import Callable, Iterator, NamedTuple, Sequence
 
 from hst_drive.errors import InputError
@@ -88,7 +91,7 @@ def _here(waiting: dict[str, Campaign], task: Task, workers: int) -> Iterator[tu
     todo, alone = dict(waiting), {}
     while todo or alone:
         batch = todo or dict([alone.popitem()])
-        with _pool(workers if todo else 1) as pool:
+        with _pool(workers if todo else 1) as pool, _none_left_behind():
             for key, row in _collected(pool, dict(batch), task, lambda: workers):
                 if row is not None:
                     todo.pop(key, None)
@@ -103,7 +106,29 @@ def _here(waiting: dict[str, Campaign], task: Task, workers: int) -> Iterator[tu
 
 def _pool(workers: int) -> ProcessPoolExecutor:
     # A fork would copy threads' locks; a fresh process starts clean on every platform.
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context('spawn'))
+    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context('spawn'),
+                               initializer=_leave_with, initargs=(os.getpid(),))
+
+
+def _leave_with(parent: int) -> None:
+    """End this process soon after its parent, which may have been killed."""
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _none_left_behind() -> Iterator[None]:
+    """End the processes at once where the work is given up: nobody wants what they are at."""
+    try:
+        yield
+    except BaseException:
+        for child in multiprocessing.active_children():
+            child.terminate()
+        raise
 
 
 def _collected(pool: Executor, batch: dict[str, Campaign], task: Task,

@@ -46,6 +46,12 @@ def quick(campaign):
     return row_of(campaign, status='done', reason=None, diagnosis=answer())
 
 
+def endless(campaign):
+    """Work on it for longer than anybody waits."""
+    note(campaign)
+    time.sleep(3600.0)
+
+
 def faulty(campaign):
     """Fail on a part of the campaigns, in two ways."""
     if campaign.name.endswith('-02'):

@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A fleet runs to its end: each campaign once, whatever dies on the way."""
+from contextlib import contextmanager
 from functools import partial
 import json
 import os
@@ -15,6 +16,7 @@ from hst_drive.fleet.store import Store
 import pytest
 
 from . import stubs
+from ..nodes.processes import alive, wait_for
 
 
 def marks(campaigns):
@@ -76,26 +78,47 @@ def test_a_killed_worker_takes_nothing_with_it(tmp_path):
     assert 'its process died' in bad[0]['reason']
 
 
-def test_an_interrupted_fleet_goes_on(tmp_path):
-    """SIGKILL for the whole program: what was written stays, nothing is half written."""
-    root = stubs.make(tmp_path / 'fleet', 5, 40)
-    code = ('import sys\n'
-            'from pathlib import Path\n'
-            'from hst_drive.fleet.campaigns import find_campaigns\n'
-            'from hst_drive.fleet.run import run_fleet\n'
-            'from hst_drive.fleet.store import Store\n'
-            'from test.fleet import stubs\n'
-            'if __name__ == "__main__":\n'
-            '    run_fleet(find_campaigns(sys.argv[1]), Store(Path(sys.argv[2])), stubs.quick,\n'
-            '              workers=2, progress=lambda told: print(told.done, flush=True))\n')
+CODE = ('import sys\n'
+        'from pathlib import Path\n'
+        'from hst_drive.fleet.campaigns import find_campaigns\n'
+        'from hst_drive.fleet.run import run_fleet\n'
+        'from hst_drive.fleet.store import Store\n'
+        'from test.fleet import stubs\n'
+        'if __name__ == "__main__":\n'
+        '    run_fleet(find_campaigns(sys.argv[1]), Store(Path(sys.argv[2])),\n'
+        '              getattr(stubs, sys.argv[3]), workers=2,\n'
+        '              progress=lambda told: print(told.done, flush=True))\n')
+
+
+@contextmanager
+def running(tmp_path, root, results, stub):
+    """Run a fleet as a program of its own."""
     script = tmp_path / 'script.py'
-    script.write_text(code)
-    results = tmp_path / 'results'
+    script.write_text(CODE)
     place = stubs.Path(__file__).parents[2]
     with subprocess.Popen(
-            [sys.executable, str(script), str(root), str(results)], cwd=place, text=True,
+            [sys.executable, str(script), str(root), str(results), stub], cwd=place, text=True,
             stdout=subprocess.PIPE, start_new_session=True,
             env={**os.environ, 'PYTHONPATH': str(place)}) as process:
+        yield process
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGKILL])
+def test_no_worker_is_left_behind(tmp_path, number):
+    """Only the program itself gets the signal, in the midst of work that takes long."""
+    root = stubs.make(tmp_path / 'fleet', 2, 2)
+    with running(tmp_path, root, tmp_path / 'results', 'endless') as process:
+        wait_for(lambda: len(list(root.rglob('.mark*'))) == 2)
+        workers = [int(path.name.rpartition('_')[2]) for path in root.rglob('.mark*')]
+        assert all(alive(worker) for worker in workers)
+        os.kill(process.pid, number)
+        wait_for(lambda: not any(alive(worker) for worker in workers))
+
+
+def test_an_interrupted_fleet_goes_on(tmp_path):
+    """SIGKILL for the whole program: what was written stays, nothing is half written."""
+    root, results = stubs.make(tmp_path / 'fleet', 5, 40), tmp_path / 'results'
+    with running(tmp_path, root, results, 'quick') as process:
         for line in process.stdout:
             if int(line) >= 20:
                 break
