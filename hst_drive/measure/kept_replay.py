@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import Iterator, Mapping
 
 from hst_drive.measure.pieces import simulate_in_pieces
-from hst_drive.measure.replay import filled, INPUTS, Prediction, Replay, SIGNALS
+from hst_drive.measure.readings import filled
+from hst_drive.measure.replay import INPUTS, Prediction, Replay, SIGNALS
 from hst_drive.measure.start import first_state
 from hst_drive.model import Drive
 import numpy as np
@@ -107,5 +108,5 @@ class KeptReplay(Replay):
             self._finer(self.run.time[part]),
             {name: self._finer(values[part], name in INPUTS) for name, values in inputs.items()},
             self._state(drive, part.start))
-        return {name: self._as_read(name, signals[name][::self._parts], drive, part)
+        return {name: self.readings.as_read(name, signals[name][::self._parts], part)
                 for name in self.signals}

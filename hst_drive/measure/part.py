@@ -16,7 +16,8 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import closed, is_table, PRESSURES, what_would_close
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.replay import filled, Prediction
+from hst_drive.measure.readings import filled
+from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.part import PartModel
 import numpy as np

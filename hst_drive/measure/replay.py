@@ -14,18 +14,18 @@ from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
 from hst_drive.measure.commands import controller_steps
-from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
+from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
+from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.start import first_state
 from hst_drive.model import Drive
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, uniform_filter1d
+from scipy.ndimage import gaussian_filter1d
 
 SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow', 'case_drain_flow',
     'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement', 'pump_speed')
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
-_SLOW = 1.0     # s: slower parts of the unexplained torque are taken as they are
 _DRAWS = 3
 _EVENT = 2.0    # s
 _STAMPS = 1e-3  # s
@@ -77,6 +77,7 @@ class Replay:
                              'whole drive needs pump_command and pprv_command; name the foreign '
                              'column with --channels')
         self.run = run
+        self.readings = Readings(run, drive.rig.sensors)
         self.stamps = _STAMPS
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:
@@ -96,7 +97,7 @@ class Replay:
         # The oil's temperature is slow: its sensor's noise is not part of the motion.
         width = max(1.0 / run.sample_time, 1.0)
         self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
-        self.noise = {name: self._signal_noise(name, run[name], drive) for name in self.signals}
+        self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
         self._held = True
         if self._parts > 1:
@@ -118,7 +119,7 @@ class Replay:
         for name in self.signals:
             if name != self.torque:
                 rest = filled(model[name] - self.run[name])
-                misfit += float(np.median((rest - self._slow(rest))**2)) / noise[name]**2
+                misfit += float(np.median((rest - self.readings.slow(rest))**2)) / noise[name]**2
         self.noise = noise
         return misfit
 
@@ -178,10 +179,10 @@ class Replay:
         self._turning = np.abs(self._speed) > _STANDSTILL
         rest = self._unexplained(drive)
         name = self.torque
-        noise = min(self._signal_noise(name, self.run[name], drive),
-                    self._signal_noise(name, rest, drive))
-        self.roughness = estimate_coloured(self.run.time, rest - self._slow(rest), noise)
-        self.noise[name] = max(self.roughness.noise_std, self._step(name, drive))
+        noise = min(self.readings.noise(name, self.run[name]),
+                    self.readings.noise(name, rest))
+        self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
+        self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True
 
@@ -212,59 +213,27 @@ class Replay:
         for name in self.signals:
             if name != self.torque:
                 rest = self.run[name] - model[name]
-                self.noise[name] = min(self.noise[name], self._signal_noise(name, rest, drive))
+                self.noise[name] = min(self.noise[name], self.readings.noise(name, rest))
                 sensor = drive.rig.sensors.get(name)
                 if slow and sensor and sensor.noise_std > 0:
-                    stated = np.hypot(sensor.noise_std, self._step(name, drive))
+                    stated = np.hypot(sensor.noise_std, self.readings.step(name))
                     self.noise[name] = min(self.noise[name], stated)
-
-    @staticmethod
-    def _step(name: str, drive: Drive) -> float:
-        """Return the deviation that the sensor's resolution alone makes."""
-        sensor = drive.rig.sensors.get(name)
-        return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
-
-    def _signal_noise(self, name: str, values: np.ndarray, drive: Drive) -> float:
-        low, high = self._at_ends(name, drive)
-        # A reading that stands at the end of its range shows no noise.
-        moving = np.where(low | high, np.nan, values)
-        if np.mean(np.isfinite(moving)) < 0.5 * np.mean(np.isfinite(values)):
-            moving = values
-        return max(noise_std(moving), self._step(name, drive))
-
-    def _at_ends(self, name: str, drive: Drive,
-                 rows: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
-        """Say where a reading stands at the lower and at the upper end of its sensor's range."""
-        measured, sensor = self.run[name][rows], drive.rig.sensors.get(name)
-        if sensor is None or not sensor.range:
-            return np.zeros((2, len(measured)), dtype=bool)
-        low, high = sensor.range
-        near = 0.51 * sensor.resolution + 1e-9 * (high - low)
-        return np.abs(measured - low) <= near, np.abs(measured - high) <= near
 
     def _unexplained(self, drive: Drive) -> np.ndarray:
         rest = np.where(self._turning, self._measured - self._load_model(drive), 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
-    def _slow(self, values: np.ndarray) -> np.ndarray:
-        # Three running means: as good as a Gaussian here, at a cost that does not grow with width.
-        width = max(int(2 * _SLOW / self.run.sample_time), 1)
-        for _ in range(3):
-            # mirrored at the ends: 'nearest' would hold one noisy sample for a second
-            values = uniform_filter1d(values, width, mode='reflect')
-        return values
-
     def disturbance(self, drive: Drive) -> np.ndarray:
         """Return the load torque (N.m) that the sensor shows beyond the load model, smoothed."""
         if not self.can_correct:
             return np.zeros(len(self.run))
         rest = self._unexplained(drive)
-        slow = self._slow(rest)
+        slow = self.readings.slow(rest)
         if drive.has_flexible_shaft:
             # The sensor feels the inertia behind the shaft, which is no load.
             rest = rest - self._behind_shaft(drive, self._simulate(drive, slow), slow)
-            slow = self._slow(rest)
+            slow = self.readings.slow(rest)
         return slow + self._smoother(rest - slow)
 
     def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
@@ -306,17 +275,8 @@ class Replay:
                 load = load + self._behind_shaft(drive, signals, total)
             signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
                                             signals[self.torque])
-        return Prediction({name: self._as_read(name, signals[name], drive)
+        return Prediction({name: self.readings.as_read(name, signals[name])
                            for name in self.signals}, disturbance)
-
-    def _as_read(self, name: str, model: np.ndarray, drive: Drive,
-                 rows: slice = slice(None)) -> np.ndarray:
-        """Hold the model at the end of the sensor's range where the reading stands there."""
-        measured, (low, high) = self.run[name][rows], self._at_ends(name, drive, rows)
-        if not (low.any() or high.any()):
-            return model
-        model = np.where(low, np.maximum(model, measured), model)
-        return np.where(high, np.minimum(model, measured), model)
 
     def floor(self, drive: Drive, seed: int = 0,
               count: np.ndarray | None = None) -> dict[str, float]:
@@ -335,7 +295,7 @@ class Replay:
             given = self.predict(drive).signals
             for name in self.signals:
                 rest = filled(self.run[name] - given[name])
-                floor[name] += estimate_coloured(self.run.time, rest - self._slow(rest),
+                floor[name] += estimate_coloured(self.run.time, rest - self.readings.slow(rest),
                                                  self.noise[name]).std**2
         if self.can_correct and self.roughness.std > 0:
             for power in self._powers_of_roughness(drive, seed, count):
@@ -373,16 +333,3 @@ class Replay:
                 # One large step that no row shows is an event, not a floor for the whole log.
                 power[name] += float(np.median(np.bincount(block, shift**2) / count)) / _DRAWS
         return power
-
-
-def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
-    """Bridge NaN: the last value for commands, a straight line for signals."""
-    bad = ~np.isfinite(values)
-    if not bad.any():
-        return np.ascontiguousarray(values, dtype=float)
-    index = np.arange(len(values))
-    if not hold:
-        return np.interp(index, index[~bad], values[~bad])
-    last = np.maximum.accumulate(np.where(bad, -1, index))
-    first = int(np.argmax(~bad))
-    return values[np.where(last < 0, first, last)]

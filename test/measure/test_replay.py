@@ -154,7 +154,7 @@ def test_a_reading_at_the_end_of_its_range_says_there_or_beyond():
     channels['pump_outlet_pressure'] = pressure
     replay = Replay(Run('ends', run.time, channels, 'ends.csv'), drive)
     for model, below, above in ((low - 1e5, True, False), (high + 1e5, False, True)):
-        seen = replay._as_read('pump_outlet_pressure', np.full(len(run), model), drive)
+        seen = replay.readings.as_read('pump_outlet_pressure', np.full(len(run), model))
         assert np.all((seen[100:120] == low) == below)
         assert np.all((seen[200:220] == high) == above)
         assert np.all(np.delete(seen, np.r_[100:120, 200:220]) == model)

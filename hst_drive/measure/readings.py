@@ -1,0 +1,84 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a recording's readings are: their noise, their resolution, the ends of their range."""
+from __future__ import annotations
+
+from typing import Mapping
+
+from hst_drive.measure.noise import noise_std
+from hst_drive.measure.run import Run
+from hst_drive.rig.rig import Sensor
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+_SLOW = 1.0     # s: slower parts of a signal are taken as they are
+
+
+class Readings:
+    """
+    The readings of a recording as its sensors make them.
+
+    Parameters
+    ----------
+    run : Run
+        The recording.
+    sensors : mapping of str to Sensor
+        By channel; a channel may have none.
+
+    """
+
+    def __init__(self, run: Run, sensors: Mapping[str, Sensor]):
+        self.run, self.sensors = run, sensors
+
+    def step(self, name: str) -> float:
+        """Return the deviation (SI) that the sensor's resolution alone makes."""
+        sensor = self.sensors.get(name)
+        return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
+
+    def noise(self, name: str, values: np.ndarray) -> float:
+        """Return the white noise (SI) in a channel's readings, or in what is left of them."""
+        low, high = self.at_ends(name)
+        # A reading that stands at the end of its range shows no noise.
+        moving = np.where(low | high, np.nan, values)
+        if np.mean(np.isfinite(moving)) < 0.5 * np.mean(np.isfinite(values)):
+            moving = values
+        return max(noise_std(moving), self.step(name))
+
+    def at_ends(self, name: str, rows: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+        """Say where a reading stands at the lower and at the upper end of its sensor's range."""
+        measured, sensor = self.run[name][rows], self.sensors.get(name)
+        if sensor is None or not sensor.range:
+            return np.zeros((2, len(measured)), dtype=bool)
+        low, high = sensor.range
+        near = 0.51 * sensor.resolution + 1e-9 * (high - low)
+        return np.abs(measured - low) <= near, np.abs(measured - high) <= near
+
+    def as_read(self, name: str, model: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
+        """Hold the model at the end of the sensor's range where the reading stands there."""
+        measured, (low, high) = self.run[name][rows], self.at_ends(name, rows)
+        if not (low.any() or high.any()):
+            return model
+        model = np.where(low, np.maximum(model, measured), model)
+        return np.where(high, np.minimum(model, measured), model)
+
+    def slow(self, values: np.ndarray) -> np.ndarray:
+        """Return what in a signal of this recording is slower than about a second."""
+        # Three running means: as good as a Gaussian here, at a cost that does not grow with width.
+        width = max(int(2 * _SLOW / self.run.sample_time), 1)
+        for _ in range(3):
+            # mirrored at the ends: 'nearest' would hold one noisy sample for a second
+            values = uniform_filter1d(values, width, mode='reflect')
+        return values
+
+
+def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
+    """Bridge NaN: the last value for commands, a straight line for signals."""
+    bad = ~np.isfinite(values)
+    if not bad.any():
+        return np.ascontiguousarray(values, dtype=float)
+    index = np.arange(len(values))
+    if not hold:
+        return np.interp(index, index[~bad], values[~bad])
+    last = np.maximum.accumulate(np.where(bad, -1, index))
+    first = int(np.argmax(~bad))
+    return values[np.where(last < 0, first, last)]
