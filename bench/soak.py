@@ -22,6 +22,7 @@ import tempfile
 import time
 from typing import NamedTuple
 
+from hst_drive.bag import read_log
 from mcap.reader import make_reader
 import numpy as np
 
@@ -36,6 +37,7 @@ oil_temperature: {{kind: ramps, time_s: [0, {seconds}], temperature_degC: [40, 6
 PERIOD = 10_000_000     # ns
 _EVERY = 5.0            # s between two looks at the processes
 _WARM = 0.25            # of the time, until all has been allocated that is ever needed
+_STARTED = 2.0          # s after which the drive turns
 _ENOUGH = 2.0           # MB: less is not called growth
 
 
@@ -84,6 +86,7 @@ def main(arguments: list[str] | None = None) -> int:
               'the clock on the wall\n')
         wrong = judge_memory(memory, args.growth)
         wrong += judge_data(bag, seconds, real, args)
+        wrong += judge_drive(bag) if real else []
     print('\nOK' if not wrong else '\nOUT: ' + '; '.join(wrong))
     return 1 if wrong else 0
 
@@ -184,6 +187,16 @@ def judge_data(bag: Path, seconds: float, real: bool, args: argparse.Namespace) 
         if abs(drift) > args.jitter / 10:
             wrong.append(f'{name}: clock and data part by {drift:.2f} ms')
     return wrong
+
+
+def judge_drive(bag: Path) -> list[str]:
+    """Return when the controller stopped, if it did: a drive at rest is no soak."""
+    run = read_log(bag)
+    stopped = np.flatnonzero((run['pump_command'] == 0.0) & (run.time > _STARTED))
+    if not len(stopped):
+        return []
+    return [f'the controller was at 0 V for {len(stopped) * run.sample_time:.0f} s, first at '
+            f'{run.time[stopped[0]]:.0f} s (a stop: see /diagnostics)']
 
 
 def times(bag: Path, name: str) -> tuple[np.ndarray, np.ndarray]:
