@@ -22,6 +22,7 @@ import numpy as np
 MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
+_HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
 class Candidate(NamedTuple):
@@ -179,37 +180,42 @@ class Search:
         found = self.try_all([((name,), start) for name in self.candidates], 'fitting effects')
         return sorted(found, key=lambda item: item.score)
 
-    def extend(self, candidate: Candidate) -> list[Candidate]:
-        """Return the candidate with one effect more, the best first."""
-        rest = [name for name in self.candidates if name not in candidate.names]
+    def extend(self, candidate: Candidate, least: float = 0.0) -> list[Candidate]:
+        """
+        Return the candidate with one effect more, the best first.
+
+        Effects are tried that alone move the signals as what is left does; ``least`` is the
+        share of its square that such a move must take away.
+        """
         residual = self.campaign.training(candidate.fit.errors)
+        start = self.campaign.training(self.base.errors)
         hopes = []
-        for name in rest:
-            single = self._known[(name,)].fit
-            move = self.campaign.training(single.errors) - self.campaign.training(self.base.errors)
-            power = float(move @ move)
-            hope = float(residual @ move)**2 / power if power > 0 else 0.0
-            hopes.append((-hope, name))
-        short = [name for _, name in sorted(hopes)[:_SHORTLIST]]
+        for name in self.candidates:
+            if name not in candidate.names:
+                move = self.campaign.training(self._known[(name,)].fit.errors) - start
+                power = float(move @ move) * float(residual @ residual)
+                hopes.append((float(residual @ move)**2 / power if power > 0 else 0.0, name))
+        short = [name for hope, name in sorted(hopes, reverse=True)[:_SHORTLIST] if hope >= least]
         found = self.try_all([((*candidate.names, name), candidate.fit.model) for name in short],
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
 
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
-        level = self.singles()
-        best = self.baseline
-        beam = level[:_BEAM]
-        for _ in range(MOST_EFFECTS):
+        best, beam = self.baseline, self.singles()[:_BEAM]
+        while beam:
             top = self.refine(beam[0])
             if not self.worthwhile(best, top):
                 break
             best = top
-            if not self.unexplained(best) or len(best.names) == MOST_EFFECTS:
+            if len(best.names) == MOST_EFFECTS:
                 break
-            level = [entry for candidate in beam for entry in self.extend(candidate)]
-            level.sort(key=lambda item: item.score)
-            beam = level[:_BEAM]
+            if self.unexplained(best):
+                level = [entry for candidate in beam for entry in self.extend(candidate)]
+            else:
+                # Short events may ask for one more effect though the whole is near the noise.
+                level = self.extend(best, _HOPE)
+            beam = sorted(level, key=lambda item: item.score)[:_BEAM]
         return self.prune(best)
 
     def prune(self, best: Candidate) -> Candidate:
