@@ -100,6 +100,7 @@ class Replay:
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
         self._held = True
+        self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         if self._parts > 1:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.
@@ -177,7 +178,8 @@ class Replay:
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
         self._turning = np.abs(self._speed) > _STANDSTILL
-        rest = self._unexplained(drive)
+        rest = self._unexplained(self._load_model(drive))
+        self._smoothed = None
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
                     self.readings.noise(name, rest))
@@ -219,8 +221,8 @@ class Replay:
                     stated = np.hypot(sensor.noise_std, self.readings.step(name))
                     self.noise[name] = min(self.noise[name], stated)
 
-    def _unexplained(self, drive: Drive) -> np.ndarray:
-        rest = np.where(self._turning, self._measured - self._load_model(drive), 0.0)
+    def _unexplained(self, load: np.ndarray) -> np.ndarray:
+        rest = np.where(self._turning, self._measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
@@ -228,13 +230,20 @@ class Replay:
         """Return the load torque (N.m) that the sensor shows beyond the load model, smoothed."""
         if not self.can_correct:
             return np.zeros(len(self.run))
-        rest = self._unexplained(drive)
-        slow = self.readings.slow(rest)
+        return self._disturbance(drive, self._load_model(drive))
+
+    def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
+        rest = self._unexplained(load)
         if drive.has_flexible_shaft:
             # The sensor feels the inertia behind the shaft, which is no load.
-            rest = rest - self._behind_shaft(drive, self._simulate(drive, slow), slow)
             slow = self.readings.slow(rest)
-        return slow + self._smoother(rest - slow)
+            rest = rest - self._behind_shaft(drive, self._simulate(drive, slow), slow)
+        # Most effects leave the load as it is: then it need not be smoothed anew.
+        known = self._smoothed
+        if known is None or not np.array_equal(known[0], rest):
+            slow = self.readings.slow(rest)
+            known = self._smoothed = rest, slow + self._smoother(rest - slow)
+        return known[1]
 
     def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
                       added: np.ndarray) -> np.ndarray:
@@ -265,12 +274,15 @@ class Replay:
             Commands in place of the recorded ones, V.
 
         """
-        disturbance = self.disturbance(drive)
+        if self.can_correct:
+            load = self._load_model(drive)
+            disturbance = self._disturbance(drive, load)
+        else:
+            disturbance = self.disturbance(drive)
         total = disturbance if extra is None else disturbance + extra
         signals = self._simulate(drive, total, commands)
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
-            load = self._load_model(drive)
             if drive.has_flexible_shaft:
                 load = load + self._behind_shaft(drive, signals, total)
             signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
