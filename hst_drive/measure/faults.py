@@ -27,6 +27,8 @@ _SPARSE = 0.02          # share of spikes above which they are how the signal is
 _STANDS = 1.0           # s: shorter repetitions are chance
 _REPEATS = 20.0         # times the usual length of a repetition
 _USUAL = 95.0           # percentile of the lengths of repetitions that is usual
+_COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longer is coarse
+_MOST = 0.5             # of a recording: a sensor that stands for longer is made so
 _JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
 _TOLD = 3
 
@@ -67,8 +69,8 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
             spans = ', '.join(f'{time[first]:.4g} to {time[end - 1]:.4g} s'
                               for first, end in faults.frozen[:_TOLD])
             more = f' and {len(faults.frozen) - _TOLD} more' if len(faults.frozen) > _TOLD else ''
-            notes.append(f'{name}: stands still to the last digit from {spans}{more}: a frozen '
-                         'or disconnected sensor; left out')
+            notes.append(f'{name}: stands still to the last digit from {spans}{more}: a frozen, '
+                         'disconnected or saturated sensor; left out')
         clean[name] = values
     return clean, notes
 
@@ -166,15 +168,18 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     if not len(first) or not len(finite) or resolution == 0.0:
         return ()
     length = end - first
+    ends = float(finite.min()), float(finite.max()), 0.0
+    # Where a reading often stands for a while, coarse steps or a slow sensor do it, no fault.
     alone = max(len(finite) - int(length.sum()), 0)
-    # each reading counts once: usual is how long a repetition lasts in which one finds oneself
-    short = length[length * step < _STANDS]
-    usual = np.percentile(np.concatenate([short, np.ones(alone)]), _USUAL) \
-        if alone + len(short) else np.inf
+    short = length[(length * step < _STANDS) & ~np.isin(values[first], ends)]
+    each = np.concatenate([np.repeat(short, short), np.ones(alone)])    # by reading
+    usual = float(np.percentile(each, _USUAL)) if len(each) else np.inf
     limit = max(_STANDS / step, _REPEATS * usual)
+    inside = (length > limit) & ~np.isin(values[first], ends)
+    if usual > max(_COARSE / step, _FEW) or length[inside].sum() > _MOST * len(finite):
+        return ()
     changes = np.abs(np.diff(finite))
     jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
-    ends = float(finite.min()), float(finite.max()), 0.0
     found = []
     for a, b in zip(first[length > limit].tolist(), end[length > limit].tolist()):
         into = [abs(values[place] - values[a]) for place in (a - 1, b) if 0 <= place < len(values)]

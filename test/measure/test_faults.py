@@ -101,3 +101,18 @@ def test_a_drive_at_rest_and_a_slow_thermometer_are_not_frozen():
     speed[:] = np.round(speed * np.clip((TIME - 5.0) / 3.0, 0.0, 1.0), 1)
     oil = np.round(np.repeat(np.linspace(40.0, 60.0, 60), 100), 1)
     assert find_faults(TIME, {**readings, 'oil_temperature': oil}) == {}
+
+
+@pytest.mark.parametrize('made', ('coarse', 'dead band', 'slow'))
+def test_a_coarse_or_slow_sensor_is_not_frozen(made):
+    """Steps of ten times the noise, a logger of large changes, a reading in two seconds."""
+    for name, values in sensors(6).items():
+        step = 10.0 * {'pump_outlet_pressure': 0.12, 'motor_speed': 0.15, 'load_torque': 0.5}[name]
+        told = values.copy()
+        for i in range(1, len(told)):
+            told[i] = values[i] if abs(values[i] - told[i - 1]) > 0.5 * step else told[i - 1]
+        read = np.cumsum(np.random.default_rng(7).integers(1, 400, 60))
+        late = read[np.searchsorted(read, np.arange(6000), side='right') - 1].clip(0, 5999)
+        readings = {'coarse': np.round(values / step) * step, 'dead band': told,
+                    'slow': values[late]}[made]
+        assert find_faults(TIME, {name: readings}) == {}
