@@ -23,7 +23,9 @@ _FEW = 8                # blocks: fewer tell nothing
 _HIGH = 90.0            # percentile that stands for a witness's size
 _LOW = 0.15             # of it: below, losses outweigh what they are losses of
 _AGREE = 1.4            # ratio of two witnesses that agree
-_FLOW, _LOAD = 1.7, 2.5     # ratio that no loss and no tolerance makes
+_FLOW, _LOAD = 1.7, 2.5     # ratio that no tolerance makes
+_LOST = 8.0             # ratio that no loss, no worn valve and no dead band makes
+_LEAST = 0.05           # of what the rig can do: less is idling or standstill and tells nothing
 _KNOWN = 0.06           # how near a ratio lies to that of a unit
 _HOTTEST = 115.0 + 273.15   # K: no hydraulic oil is, in the median
 _DRIFT = 0.03           # of the size, from start to end
@@ -32,6 +34,7 @@ _APART = 0.15           # of the time that load and oil must leave unexplained
 _WARMS = 1.0            # K: less is noise
 _ALONE = 0.3            # of its drift: what the others may part from each other
 _COMMANDS = ('pump_command', 'pprv_command')
+_LOSSY = ('motor_speed', *PRESSURES)    # losses lie between them and their other witnesses
 
 # What one unit reads when it is taken for the usual one of its quantity.
 _UNITS: dict[str, dict[str, float]] = {
@@ -50,11 +53,13 @@ class Group(NamedTuple):
     """
     Witnesses of one quantity by channel, SI, one value a block.
 
-    ``beyond`` is the ratio that no loss makes, ``conditions`` is what losses depend on.
+    ``beyond`` is the ratio that no tolerance makes, ``least`` the size that tells something,
+    ``conditions`` is what losses depend on.
     """
 
     values: Mapping[str, np.ndarray]
     beyond: float
+    least: float
     conditions: Sequence[np.ndarray]
 
 
@@ -79,7 +84,8 @@ def refuse_wrong_units(rig: Rig, runs: Sequence[Run]) -> None:
         told = unit_doubts(rig, run)
         if told:
             raise InputError(f'{run.source}: {"; ".join(told)}; no missing physics does that: '
-                             'mend the unit (column header or --channels) or leave the column out')
+                             'mend the unit (column header or --channels) or the number in the '
+                             'rig file, or leave the column out')
 
 
 def unit_doubts(rig: Rig, run: Run) -> list[str]:
@@ -93,9 +99,15 @@ def unit_doubts(rig: Rig, run: Run) -> list[str]:
 
 
 def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
-    """Return the channels that drift in any of the recordings, without those in a wrong unit."""
+    """
+    Return the channels that drift in any of the recordings, without those in a wrong unit.
+
+    Where no oil temperature was recorded, losses that change as the drive warms look like a drift
+    of what lies behind them: speed and pressures are then not judged.
+    """
     return [drift._replace(told=f'{run.name}: {drift.told}') for run in runs
-            for group in _groups(rig, run) if not _factor(group) for drift in _drift(group)]
+            for group in _groups(rig, run) if not _factor(group) for drift in _drift(group)
+            if 'oil_temperature' in run or drift.channel not in _LOSSY]
 
 
 def _groups(rig: Rig, run: Run) -> list[Group]:
@@ -141,7 +153,10 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
         oil = blocks(run['oil_temperature'])
         if np.nanmax(oil) - np.nanmin(oil) > _WARMS:
             conditions += [oil, (oil - np.nanmean(oil))**2]
-    return [Group(flow, _FLOW, conditions), Group(load, _LOAD, conditions)]
+    most_flow = pump.max_displacement * pump.shaft_speed if pump else 0.0
+    most_load = rig.relief_valve.set_pressure * size if rig.relief_valve else 0.0
+    return [Group(flow, _FLOW, _LEAST * most_flow, conditions),
+            Group(load, _LOAD, _LEAST * most_load, conditions)]
 
 
 def _loading_unit(rig: Rig) -> LoadingUnit | None:
@@ -181,9 +196,12 @@ def _factor(group: Group) -> list[str]:
         against = [_ratio(group.values[name], group.values[other]) for other in others]
         if not pairs or not all(map(_alike, pairs)) or any(map(np.isnan, against)):
             continue
+        if min(_size(group.values[other]) for other in others) < group.least:
+            continue
         ratio = float(np.median(against))
         unit = _unit_of(name, ratio)
-        clear = not 1 / group.beyond < ratio < group.beyond
+        low, high = _made_by_losses(name, group.beyond)
+        clear = not low < ratio < high
         if not clear and not (unit and all(abs(pair - 1) < 0.15 for pair in pairs)):
             continue
         said = f'{name} reads {abs(ratio):.3g} times what {" and ".join(others)} say'
@@ -191,6 +209,17 @@ def _factor(group: Group) -> list[str]:
             said += ', with the other sign'
         return [said + (f' ({unit}?)' if unit else '')]
     return []
+
+
+def _made_by_losses(name: str, beyond: float) -> tuple[float, float]:
+    """Return the ratios to the other witnesses between which a drive, not a sensor, may be off."""
+    low = _LOST if name in (*_COMMANDS, 'motor_speed') else beyond
+    high = _LOST if name in (*_COMMANDS, *PRESSURES) else beyond
+    return 1 / low, high
+
+
+def _size(values: np.ndarray) -> float:
+    return float(np.nanpercentile(np.abs(values), _HIGH))
 
 
 def _unit_of(name: str, ratio: float) -> str:
@@ -211,14 +240,14 @@ def _drift(group: Group) -> list[Drift]:
     best, told = 0.0, []
     for name in names:
         others = [other for other in names if other != name]
-        size = float(np.nanpercentile(np.abs(group.values[others[0]]), _HIGH))
+        size = _size(group.values[others[0]])
         own = [_trend(group, name, other) for other in others]
         sure = min(entry[1] for entry in own)
         change = float(np.median([entry[0] for entry in own]))
         apart = max(abs(_trend(group, a, b)[0]) for i, a in enumerate(others)
                     for b in others[i + 1:])
-        if sure > max(best, _SURE) and abs(change) > _DRIFT * size > 0 \
-                and apart < _ALONE * abs(change):
+        if sure > max(best, _SURE) and abs(change) > _DRIFT * size \
+                and size > group.least and apart < _ALONE * abs(change):
             best = sure
             told = [] if name in _COMMANDS else [Drift(
                 name, f'{name} drifts: from start to end of the log it moves by '

@@ -64,3 +64,32 @@ def test_a_drift_is_the_channels_that_drifts(channel, end):
     found = drifts(default_rig(), [run])
     assert [entry.channel for entry in found] == [channel]
     assert 'from start to end of the log it moves by +' in found[0].told
+
+
+@pytest.mark.parametrize('channel, factor', (
+    ('motor_speed', 0.3), ('pump_outlet_pressure', 4.0), ('pump_command', 1.8),
+    ('load_torque', 1.2)))
+def test_what_wear_or_a_sensor_out_of_adjustment_does_is_no_unit(channel, factor):
+    """A motor that leaks 70 %, a bearing that takes 3/4, a worn pump, torque 20 % off."""
+    run = spoilt(lambda values: values * factor, channel)
+    refuse_wrong_units(default_rig(), [run])
+
+
+def test_a_drive_that_idles_or_stands_tells_no_unit():
+    """Two channels of noise may agree, and the third may be 0."""
+    run = read_log(CASES / 'no_effect' / 'drilling.csv')
+    random = np.random.default_rng(1)
+    for size in (0.0, 1.0):
+        noise = {name: size * np.std(np.diff(values)) * np.abs(random.standard_normal(len(run)))
+                 for name, values in run.channels.items() if not name.endswith('command')}
+        still = {**run.channels, **noise, 'oil_temperature': run['oil_temperature'],
+                 'pump_command': np.zeros(len(run)), 'pprv_command': np.zeros(len(run))}
+        assert unit_doubts(default_rig(), replace(run, channels=still)) == []
+
+
+def test_warming_is_no_drift_where_no_thermometer_saw_it():
+    run = spoilt(lambda values: values + 15e5 * np.linspace(0.0, 1.0, len(values)),
+                 'pump_outlet_pressure')
+    assert drifts(default_rig(), [run])
+    del run.channels['oil_temperature']
+    assert drifts(default_rig(), [run]) == []
