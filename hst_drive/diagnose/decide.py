@@ -112,8 +112,12 @@ def _excess(ratios: dict[str, float]) -> float:
 
 def _carries(search: Search, best: Candidate) -> bool:
     """Say whether effects found beside an unknown remove the better part of the error."""
-    before = search.campaign.ratios(search.base.errors, True)
-    after = search.campaign.ratios(best.fit.errors, True)
+    return any(_fallen(search.campaign.ratios(search.base.errors, held_out),
+                       search.campaign.ratios(best.fit.errors, held_out))
+               for held_out in (True, False))
+
+
+def _fallen(before: dict[str, float], after: dict[str, float]) -> bool:
     return any(before[name] > 1.3 and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
                * (before[name]**2 - 1) for name in before) \
         and _excess(after) < (1 - _MAIN_SHARE) * _excess(before)

@@ -15,13 +15,15 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import (
-    contribution, Gain, gain, IN_SAMPLE, unexplained, unharmed, worthwhile)
+    contribution, FORM_SHARE, Gain, gain, IN_SAMPLE, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
+    worthwhile)
 from hst_drive.effects import catalogue
 import numpy as np
 
 MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
+_AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -141,6 +143,20 @@ class Search:
         return unharmed(held_out) and worthwhile(
             fitted, contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
 
+    def agreed(self, before: Candidate, after: Candidate) -> bool:
+        """
+        Say whether held-out and fitted logs both ask for what the second has more.
+
+        Asked where nothing is unexplained, so that chance and form have more to choose from.
+        """
+        held_out, fitted = self.gain(before, after), self.gain(before, after, False)
+        done = self.done(before)
+        return unharmed(held_out) and unharmed(fitted) and any(
+            min(held_out.share[name], fitted.share[name]) >= PRACTICAL
+            and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
+            and held_out.amount[name] >= (FORM_SHARE * done[name])**2
+            for name in held_out.share if name in fitted.share)
+
     def done(self, candidate: Candidate) -> dict[str, float]:
         """Return what the candidate's effects do to each signal, rms in floors."""
         return contribution(self.campaign, self.base, candidate.fit)
@@ -202,19 +218,20 @@ class Search:
 
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
-        best, beam = self.baseline, self.singles()[:_BEAM]
+        best, beam, asked = self.baseline, self.singles()[:_BEAM], self.worthwhile
         while beam:
             top = self.refine(beam[0])
-            if not self.worthwhile(best, top):
+            if top.score >= best.score or not asked(best, top):
                 break
             best = top
             if len(best.names) == MOST_EFFECTS:
                 break
             if self.unexplained(best):
                 level = [entry for candidate in beam for entry in self.extend(candidate)]
+                asked = self.worthwhile
             else:
                 # Short events may ask for one more effect though the whole is near the noise.
-                level = self.extend(best, _HOPE)
+                level, asked = self.extend(best, _HOPE), self.agreed
             beam = sorted(level, key=lambda item: item.score)[:_BEAM]
         return self.prune(best)
 

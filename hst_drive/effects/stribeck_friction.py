@@ -24,8 +24,8 @@ EFFECT = Effect(
                   'Stribeck speed: there 37 % of the extra torque are left', neutral=4.0),
         Parameter('shape', '1', 0.5, 4.0, 2.0,
                   'power in the exponent; 2 is the Gaussian form, 1 the exponential one. Fitted '
-                  'on logs of a part only: the whole drive seldom shows it', neutral=2.0,
-                  fixed=True),
+                  'on logs of a part; the whole drive shows no more than which of the two fits',
+                  neutral=2.0, fixed=True),
     ),
     telltale='Pressure is too high at low speed only; creeping drives jerk (stick-slip).',
     source='B. Armstrong-Helouvry, P. Dupont and C. Canudas de Wit, A survey of models, analysis '
@@ -33,4 +33,5 @@ EFFECT = Effect(
            '30 (1994): Stribeck curve with '
            'powers from 0.5 to 2 and beyond.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
+    starts=({'shape': 1.0},),
 )

@@ -11,6 +11,9 @@ from hst_drive.errors import InputError
 from hst_drive.units import from_si, si_unit
 import numpy as np
 
+_FEWEST = 8             # changes of the commands below which nothing can be told
+_STEPPING = 0.9         # share of them that lies where the controller steps
+
 # By unit: what is beyond it is a slip of the unit or a fault code, not a hydraulic drive.
 _IMPOSSIBLE = {'V': 1e3, 'rpm': 1e5, 'degC': 1e3, 'bar': 1e4, 'L/min': 1e6, 'N.m': 1e8,
                'cc/rev': 1e6}
@@ -103,18 +106,38 @@ class Run:
         """
         Return the recording with samples about ``sample_time`` (s) apart, or itself.
 
-        Signals are averaged about each sample that is kept, commands taken as they stand.
+        Signals are averaged about each sample that is kept. Samples are kept where the controller
+        steps, at up to a quarter longer intervals, if the commands show where; otherwise commands
+        are averaged until the next sample, so that they come neither early nor late.
         """
         step = int(sample_time / self.sample_time + 1e-6)
         if step < 2:
             return self
-        kept = np.arange(step // 2, len(self) - step // 2, step)
-        around = kept[:, None] + np.arange(step) - step // 2
+        found = self._stepping(range(step, step + step // 4 + 1))
+        step, first = found or (step, 0)
+        half = (step - 1) // 2
+        kept = np.arange(first, len(self), step)
+        kept = kept[(kept >= half) & (kept + max(half + 1, step) <= len(self))]
+        around = kept[:, None] + np.arange(-half, half + 1)
+        after = kept[:, None] + np.arange(step)
         channels = {}
         for name, values in self.channels.items():
-            hold = name in CHANNELS and CHANNELS[name].hold == 'zero'
-            channels[name] = values[kept] if hold else values[around].mean(axis=1)
+            if name not in CHANNELS or CHANNELS[name].hold != 'zero':
+                channels[name] = values[around].mean(axis=1)
+            else:
+                channels[name] = values[kept] if found else values[after].mean(axis=1)
         return Run(self.name, self.time[around].mean(axis=1), channels, self.source, self.notes)
+
+    def _stepping(self, steps: range) -> tuple[int, int] | None:
+        """Return every how many samples, and from which one, commands change; None if unclear."""
+        changes = [np.flatnonzero(np.diff(values)) + 1 for name, values in self.channels.items()
+                   if name in CHANNELS and CHANNELS[name].hold == 'zero']
+        rows = np.concatenate([*changes, np.zeros(0, dtype=int)])
+        counts = {step: np.bincount(rows % step, minlength=step) for step in steps}
+        best = max(counts, key=lambda step: counts[step].max())
+        if len(rows) < _FEWEST or counts[best].max() < _STEPPING * len(rows):
+            return None
+        return best, int(counts[best].argmax())
 
 
 def refuse_impossible(run: Run) -> None:
