@@ -6,8 +6,8 @@ Spoilt files for every reader: each is read, or refused in one line, in time.
     python -m bench.fuzz --count 20000                # of each reader
     python -m bench.fuzz --count 200000 --reader mcap --seed 3
 
-A failure is anything but ``InputError``: another exception, more than ten CPU seconds, an error text
-of several lines, or a file that was left behind. Hypothesis then shows the smallest case.
+A failure is anything but ``InputError``: another exception, more than ten CPU seconds, an error
+text of several lines, or a file that was left behind. Hypothesis then shows the smallest case.
 """
 from __future__ import annotations
 
