@@ -22,9 +22,10 @@ _BEYOND = 4.0           # times that: what a signal does now and then is no faul
 _AROUND = 25            # samples on either side that tell the scatter
 _FOLLOWS = 3            # samples within which another channel follows a real jump
 _MOVES = 6.0            # times its usual step: it follows
+_STEP = 1.5             # of its resolution, where it usually does not move at all
 _SHARE = 0.1            # of how far the jump itself stands out, if that is more
 _SPARSE = 0.02          # share of spikes above which they are how the signal is
-_STANDS = 1.0           # s: shorter repetitions are chance
+_STANDS, _ROWS = 1.0, 20    # s and readings: shorter repetitions are chance
 _REPEATS = 20.0         # times the usual length of a repetition
 _USUAL = 95.0           # percentile of the lengths of repetitions that is usual
 _COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longer is coarse
@@ -85,8 +86,7 @@ def find_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[st
     for name, values in channels.items():
         spikes = _spikes(values, steps[name])
         if len(spikes):
-            spikes = spikes[~_followed(spikes, values, {
-                other: entry for other, entry in channels.items() if other != name})]
+            spikes = spikes[~_followed(name, spikes, channels, steps)]
         if len(spikes) > _SPARSE * len(values):
             spikes = spikes[:0]
         frozen = _frozen(values, step, steps[name])
@@ -95,24 +95,32 @@ def find_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[st
     return found
 
 
-def _followed(spikes: np.ndarray, values: np.ndarray,
-              others: Mapping[str, np.ndarray]) -> np.ndarray:
+def _followed(name: str, spikes: np.ndarray, channels: Mapping[str, np.ndarray],
+              steps: Mapping[str, float]) -> np.ndarray:
     """Tell at which spikes another reading moves as well: then it is the drive."""
-    moves = np.zeros(len(spikes), dtype=bool)
+    values, moves = channels[name], np.zeros(len(spikes), dtype=bool)
     near = spikes[:, None] + np.arange(-_FOLLOWS, _FOLLOWS)
     about = np.clip(spikes[:, None] + np.arange(-_AROUND, _AROUND), 1, len(values) - 2)
     # A large jump of the drive moves the others far, too.
     own = 0.5 * np.abs(2 * values - np.roll(values, 1) - np.roll(values, -1))
-    size = own[spikes] / np.maximum(np.nanmedian(own[about], axis=1), 1e-300)
-    for other in others.values():
+    size = own[spikes] / np.maximum(np.nanmedian(own[about], axis=1), max(steps[name], 1e-300))
+    for each, other in channels.items():
+        if each == name:
+            continue
         changes = np.abs(np.diff(other, append=other[-1:]))
         # a row at 0 throughout is one that the logger lost, not a drive that moves
         lost = (other == 0.0) & (values == 0.0)
         changes[lost | np.roll(lost, -1)] = 0.0
         changes = np.nan_to_num(changes)
+        # while the drive sticks and slips all move far: then the quiet of the recording counts
+        quiet = np.median(changes[changes > 0]) if changes.any() else 0.0
         usual = np.median(changes[about], axis=1)
+        usual = np.where(values[spikes] == 0.0, usual, np.minimum(usual, quiet))
         most = np.max(changes[np.clip(near, 0, len(other) - 1)], axis=1)
+        # a coarse reading moves seldom, and then by its step
+        coarse = (usual == 0.0) & (steps[each] > 0.0)
         moves |= (most > np.maximum(_MOVES, _SHARE * size) * usual) & (usual > 0.0)
+        moves |= (most > np.maximum(_STEP, _SHARE * size) * steps[each]) & coarse
     return moves
 
 
@@ -171,10 +179,11 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     ends = float(finite.min()), float(finite.max()), 0.0
     # Where a reading often stands for a while, coarse steps or a slow sensor do it, no fault.
     alone = max(len(finite) - int(length.sum()), 0)
-    short = length[(length * step < _STANDS) & ~np.isin(values[first], ends)]
+    stands = max(_STANDS / step, _ROWS)
+    short = length[(length < stands) & ~np.isin(values[first], ends)]
     each = np.concatenate([np.repeat(short, short), np.ones(alone)])    # by reading
     usual = float(np.percentile(each, _USUAL)) if len(each) else np.inf
-    limit = max(_STANDS / step, _REPEATS * usual)
+    limit = max(stands, _REPEATS * usual)
     inside = (length > limit) & ~np.isin(values[first], ends)
     if usual > max(_COARSE / step, _FEW) or length[inside].sum() > _MOST * len(finite):
         return ()

@@ -116,3 +116,33 @@ def test_a_coarse_or_slow_sensor_is_not_frozen(made):
         readings = {'coarse': np.round(values / step) * step, 'dead band': told,
                     'slow': values[late]}[made]
         assert find_faults(TIME, {name: readings}) == {}
+
+
+def test_short_loads_on_coarse_sensors_are_no_spikes():
+    """Two samples of 20 bar and 40 N.m every 5 s, each sensor with steps larger than its noise."""
+    readings = sensors(8)
+    pulse = (np.arange(6000) % 500 >= 498).astype(float)
+    noise = 0.2 * np.random.default_rng(8).standard_normal((2, 6000))
+    readings = {'pump_outlet_pressure': np.round(100.0 + 20.0 * pulse + noise[0]),
+                'load_torque': 5.0 * np.round(40.0 + 8.0 * pulse + noise[1]),
+                'motor_speed': readings['motor_speed']}
+    assert find_faults(TIME, readings) == {}
+
+
+@pytest.mark.slow
+def test_a_bit_that_sticks_and_slips_has_no_spikes():
+    """The generator's drive with four times the usual Stribeck friction."""
+    from test.truth import make_campaign
+    made = make_campaign(4246, {'stribeck_friction': 4.0}, rate_hz=200.0, logs=('speed_sweep',))
+    log = {name.split('[')[0]: values for name, values in made.logs['speed_sweep'].items()}
+    assert np.sum(np.diff(np.sign(log['motor_speed'] - 5.0)) != 0) > 10
+    assert find_faults(log.pop('time'), {name: values for name, values in log.items()
+                                         if CHANNELS[name].hold == 'linear'}) == {}
+
+
+def test_a_coarse_sensor_of_a_slow_logger_is_not_frozen():
+    """A reading a second, in steps of about the noise, each load for half a minute."""
+    random = np.random.default_rng(9)
+    load = np.repeat(random.uniform(50.0, 90.0, 40), 30)
+    readings = np.round(load + 0.2 * random.standard_normal(1200))
+    assert find_faults(np.arange(1200.0), {'pump_outlet_pressure': readings}) == {}
