@@ -6,12 +6,15 @@ from pathlib import Path
 from bench.watch import drilling, SIGNALS, watch_unit
 from hst_drive.bag import read_log
 from hst_drive.effects import catalogue
+from hst_drive.measure.online import watch as watching
 from hst_drive.measure.online.calibration import Calibration, LIMIT
+from hst_drive.measure.online.characteristic import Characteristic
 from hst_drive.measure.online.drive import Observer
 from hst_drive.measure.online.naming import Signatures
 from hst_drive.measure.online.residuals import Balances, Residual
 from hst_drive.measure.online.stream import Window
-from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD
+from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD, Watch
+from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -76,6 +79,33 @@ def test_an_effect_moves_a_balance_or_is_said_not_to_be_watched():
         if effect.searched == 'always' and name not in unseen:
             assert {slot for slot, _ in effect.terms} & set(block.slopes), name
     assert {'pump_lag', 'pump_hysteresis', 'shaft_compliance'} <= set(unseen)
+
+
+@pytest.mark.needs_numba
+def test_hours_of_an_alarm_keep_few_blocks_and_are_named_anew(monkeypatch):
+    """What is kept from an alarm does not grow with its length, nor does its name stay behind."""
+    window = Window(0, np.arange(300) / 100, {
+        name: values[:300] for name, values in next(drilling(RIG, 1, 1.0)).items()})
+    balances = Balances(RIG, SIGNALS)
+    sound = balances.of(window, 1_000_000_000, 3_000_000_000)
+    worn = sound._replace(residuals={
+        name: entry._replace(value=entry.value + 50 * (entry.noise + entry.floor))
+        for name, entry in sound.residuals.items()})
+    watch, named = Watch(Calibration(balances.spread), Signatures(RIG)), []
+    monkeypatch.setattr(watching, 'likely', lambda *given: named.append(watch.blocks) or ())
+    for block in [sound] * 100 + [worn] * 5000:
+        watch.add(block)
+    assert named[0] < 110 and named[-1] > 4700
+    assert len(watch._blocks) <= 61 and len(watch._before) <= 120
+
+
+def test_a_broken_sensor_does_not_fill_the_range_without_end():
+    known = Characteristic(PartModel(RIG))
+    for step in range(5000):
+        known.add(50e5, 4.0 * step, 0.0, 0.0)
+        known.add(50e5, 10.0, 1e-5, 2.0)
+    assert len(known._buckets) == len(known._counts) <= 1000
+    assert known.at(50e5, 10.0)[:2] == pytest.approx([1e-5, 2.0], rel=0.01)
 
 
 @pytest.mark.needs_numba

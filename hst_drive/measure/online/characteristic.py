@@ -19,6 +19,7 @@ import numpy as np
 
 _PRESSURE, _SPEED = 10e5, 2.0   # size of a bucket, Pa and rad/s
 _FILLED = 3                     # blocks
+_MOST = 1000                    # buckets; a drive has some hundred, a broken sensor any number
 _SIGNIFICANT = 3.0              # standard uncertainties: less is no internal leakage
 
 
@@ -75,7 +76,11 @@ class Characteristic:
         row[4] /= pressure      # nearly the same all over a bucket
         key = self._key(pressure, speed)
         count = self._counts[key] = self._counts.get(key, 0) + 1
-        known = self._buckets.setdefault(key, row.copy())
+        # The range visited last is the last of the dict.
+        known = self._buckets[key] = self._buckets.pop(key, row.copy())
+        if len(self._buckets) > _MOST:
+            gone = next(iter(self._buckets))
+            del self._buckets[gone], self._counts[gone]
         if not math.isfinite(known[4]):
             known[4] = row[4]
         known += np.where(np.isfinite(row), row - known, 0.0) / min(count, self._memory)

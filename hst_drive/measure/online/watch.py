@@ -142,7 +142,7 @@ class Watch:
         self._since = 0
         self._blocks: list[Block] = []
         self._named: tuple[Likely, ...] = ()
-        self._passed = 0
+        self._passed = self._name_at = 0
         self.blocks = 0
 
     def add(self, block: Block) -> Verdict:
@@ -171,9 +171,10 @@ class Watch:
         else:
             self._freeze(min(self.charts[name].since for name in failing))
         # The longer it lasts the less each block adds: fewer are kept, and it is named seldomer.
-        if self._passed % (1 + self._passed // 20) == 0:
-            while len(self._blocks) > _NAMED_BY:
-                del self._blocks[1::2]
+        while len(self._blocks) > _NAMED_BY:
+            del self._blocks[1::2]
+        if self._passed >= self._name_at:
+            self._name_at = self._passed + 1 + self._passed // 20
             self._named = likely(self._signatures, self._blocks, self._known, {
                 name: _CAUTION * chart.scatter for name, chart in self.charts.items()})
         verdict.failing = tuple(failing)
@@ -188,7 +189,7 @@ class Watch:
         kept = [(block, known) for block, known in self._before if block.start >= since]
         self._frozen = kept[0][1] if kept else self.calibration.copy()
         self.calibration = self._frozen.copy()
-        self._passed = 0
+        self._passed = self._name_at = 0
         self._blocks, self._known = [block for block, _ in kept], self._frozen
         if self._frozen.beyond:
             # It was there from the start: what was learnt has taken it in.
