@@ -8,7 +8,7 @@ second of data, so that a recorder that is killed leaves nearly everything.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 import os
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,37 @@ from hst_drive.bag.definitions import find_definition, find_hash, full_type
 from hst_drive.bag.topics import CHANNEL_FIELDS, JOINT_STATE, NAMESPACE, Qos, Topic
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
+from mcap.data_stream import RecordBuilder
+from mcap.records import ChunkIndex
 from mcap.writer import CompressionType, Writer
 import numpy as np
 import yaml
 
 _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 _SECOND = 1_000_000_000
+
+
+class _ChunkIndexes:
+    """
+    Where the chunks of a file lie, as the bytes that its end will hold.
+
+    It takes the place of the list in which mcap's writer keeps an object for each chunk: 2.2 kB
+    a second in a recording of 22 topics, 8 MB in an hour. As bytes it is 0.3 kB.
+    """
+
+    def __init__(self):
+        self._packed = RecordBuilder()
+
+    def append(self, index: ChunkIndex) -> None:
+        """Take the index of one chunk."""
+        index.write(self._packed)
+
+    def __iter__(self) -> Iterator[_ChunkIndexes]:
+        return iter([self])
+
+    def write(self, builder: RecordBuilder) -> None:
+        """Write all of them, once, at the end of the file."""
+        builder.write(self._packed.end())
 
 
 def qos_profile(qos: Qos) -> dict[str, Any]:
@@ -72,6 +97,8 @@ class BagWriter:
         self._file = open(self.path, 'wb')
         self._writer = Writer(self._file, chunk_size=1 << 20, compression=(
             CompressionType.ZSTD if compressed else CompressionType.NONE))
+        # No public way leads there.
+        self._writer._Writer__chunk_indices = _ChunkIndexes()
         self._writer.start(profile='ros2', library='hst_drive')
         self._chunk_time = int(chunk_seconds * _SECOND)
         self._chunk_start: int | None = None

@@ -1,6 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Bags: independent readers accept what is written, and it comes back as it was."""
+import tracemalloc
+
 from hst_drive.bag import BagWriter, read_log, write_run
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition, find_hash, parse_definition
@@ -219,3 +221,29 @@ def test_a_flipped_bit_is_noticed(tmp_path):
     path.write_bytes(data)
     with pytest.raises(InputError, match='damaged .*hst-drive recover'):
         read_log(tmp_path / 'b')
+
+
+def test_a_long_recording_keeps_little_of_what_it_has_written(tmp_path):
+    """A chunk costs the bytes of its index; that the file's end holds them all is read back."""
+    names, data = [f'/t{place}' for place in range(20)], vector(0, 1.0)
+    with BagWriter(tmp_path / 'b') as bag:
+        for name in names:
+            bag.add_topic(name, VECTOR)
+        tracemalloc.start()
+        try:
+            for second in range(600):
+                for name in names:
+                    bag.write(name, data, second * 10**9)
+                bag.flush()
+                if second == 99:
+                    before = tracemalloc.get_traced_memory()[0]
+            grown = tracemalloc.get_traced_memory()[0] - before
+        finally:
+            tracemalloc.stop()
+    # 20 topics of 10 bytes and 83 more; the buffer of BytesIO grows in steps of an eighth.
+    assert grown / 500 < 1.3 * (20 * 10 + 83)
+    with open(bag.path, 'rb') as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert len(reader.get_summary().chunk_indexes) == 600
+        found = [message.log_time for _, _, message in reader.iter_messages(topics=['/t7'])]
+    assert found == [second * 10**9 for second in range(600)]
