@@ -1,15 +1,19 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """What all tests share: their own corner of ROS 2, and the markers."""
+from contextlib import ExitStack
 from importlib.util import find_spec
 import os
 import sys
 
+from hst_drive.nodes.session import free_domain
 from hst_drive.resources import share
 import pytest
 
-# Before any rclpy: the nodes that tests start see each other and nothing else.
-os.environ['ROS_DOMAIN_ID'] = str(1 + os.getpid() % 101)
+# Before any rclpy: the nodes that tests start see each other and nothing else. The lock is held
+# until the tests end.
+LOCKS = ExitStack()
+os.environ['ROS_DOMAIN_ID'] = str(free_domain(LOCKS))
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(share('config/fastdds_local.xml')))
 os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)
@@ -25,6 +29,7 @@ NEEDS = {
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
+    'bench/test_soak.py': ('mcap',),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()

@@ -69,7 +69,7 @@ class Estimator(DriveNode):
         self._step = 0
         self._heard = False
         self._failing: tuple[str, ...] = ()
-        self.gather = 4 * GATHER
+        self.gather = 4 * GATHER if self.lockstep else 0.0
 
     def activate(self) -> None:
         """Open the endpoints."""

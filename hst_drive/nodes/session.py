@@ -16,7 +16,7 @@ import sys
 import tempfile
 import threading
 import time
-from typing import Any
+from typing import Any, IO
 
 from hst_drive.errors import InputError
 from hst_drive.resources import share
@@ -46,7 +46,8 @@ def environment(locks: ExitStack) -> dict[str, str]:
     Return the environment of the nodes: what the user has set stays.
 
     Without ROS_DOMAIN_ID the run gets a domain of its own, held through a lock in ``locks``, so
-    that two runs on a machine do not hear each other.
+    that two runs on a machine do not hear each other. With it, runs may share that domain, and
+    no run without it gets it.
 
     Raises
     ------
@@ -69,26 +70,52 @@ def environment(locks: ExitStack) -> dict[str, str]:
     profile = share('config', 'fastdds_local.xml')
     if profile.is_file() and env['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST':
         env.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(profile))
-    if 'ROS_DOMAIN_ID' not in env:
-        env['ROS_DOMAIN_ID'] = str(_free_domain(locks))
+    if 'ROS_DOMAIN_ID' in env:
+        _share_domain(locks, env['ROS_DOMAIN_ID'])
+    else:
+        env['ROS_DOMAIN_ID'] = str(free_domain(locks))
     return env
 
 
-def _free_domain(locks: ExitStack) -> int:
-    """Return a domain that no other run on this machine uses; domains above 101 may clash."""
+def free_domain(locks: ExitStack) -> int:
+    """
+    Return a domain that no other run on this machine uses, held until ``locks`` are closed.
+
+    Domains above 101 may clash.
+    """
     first = os.getpid() % 100
     for number in range(100):
         domain = 1 + (first + number) % 100
-        path = Path(tempfile.gettempdir()) / f'hst_drive_{os.getuid()}_domain_{domain}.lock'
-        stream = open(path, 'w')
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            stream.close()
+        own = _lock(domain, 'own', fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if own is None:
             continue
-        locks.enter_context(stream)
+        chosen = _lock(domain, 'chosen', fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if chosen is None:
+            own.close()
+            continue
+        chosen.close()
+        locks.enter_context(own)
         return domain
     raise InputError('100 runs are going on; set ROS_DOMAIN_ID or end some')
+
+
+def _share_domain(locks: ExitStack, domain: str) -> None:
+    """Keep other runs out of a domain that the user has chosen, but for those told to use it."""
+    if domain.strip().isdecimal():
+        # It waits only for another run's look at this lock.
+        locks.enter_context(_lock(int(domain), 'chosen', fcntl.LOCK_SH))
+
+
+def _lock(domain: int, kind: str, how: int) -> IO[str] | None:
+    """Return a lock of a domain as an open file; None if it is taken."""
+    name = f'hst_drive_{os.getuid()}_domain_{domain}_{kind}.lock'
+    stream = open(Path(tempfile.gettempdir()) / name, 'w')
+    try:
+        fcntl.flock(stream, how)
+    except OSError:
+        stream.close()
+        return None
+    return stream
 
 
 class _Dumper(yaml.SafeDumper):

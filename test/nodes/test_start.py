@@ -1,0 +1,107 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How nodes start: each run in a domain of its own, one line where ROS 2 cannot start."""
+from contextlib import ExitStack
+import os
+import subprocess
+import sys
+import tempfile
+
+from hst_drive.errors import InputError
+from hst_drive.nodes.session import environment as environment_of_run, free_domain
+import pytest
+
+from .processes import environment, PATIENCE
+
+pytest.importorskip('rclpy')
+CALLS = """
+import os, signal, sys, threading
+from rclpy.experimental.events_executor import EventsExecutor
+from hst_drive.nodes import base, estimator
+
+class Counting:
+    def __init__(self):
+        self.of, self.calls = EventsExecutor(), 0
+
+    def __getattr__(self, name):
+        return getattr(self.of, name)
+
+    def spin_until_future_complete(self, *args, **options):
+        self.calls += 1
+        self.of.spin_until_future_complete(*args, **options)
+
+counting = []
+base._executor = lambda: counting.append(Counting()) or counting[0]
+threading.Timer(3.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+code = estimator.main()
+print(code, counting[0].calls)
+"""
+
+
+@pytest.fixture
+def taken(tmp_path, monkeypatch):
+    """Return a function that takes all domains that are free; with locks of this test alone."""
+    monkeypatch.setattr(tempfile, 'tempdir', str(tmp_path))
+
+    def take():
+        found = []
+        with ExitStack() as locks, pytest.raises(InputError, match='100 runs are going on'):
+            while True:
+                found.append(free_domain(locks))
+        return found
+
+    return take
+
+
+def test_each_run_has_a_domain_of_its_own(taken, monkeypatch):
+    monkeypatch.delenv('ROS_DOMAIN_ID')
+    with ExitStack() as locks:
+        mine = int(environment_of_run(locks)['ROS_DOMAIN_ID'])
+        assert sorted([mine, *taken()]) == list(range(1, 101))
+    assert sorted(taken()) == list(range(1, 101))
+
+
+def test_a_domain_that_users_chose_is_theirs_together(taken, monkeypatch):
+    monkeypatch.setenv('ROS_DOMAIN_ID', '17')
+    with ExitStack() as one:
+        with ExitStack() as other:
+            for locks in (one, other):
+                assert environment_of_run(locks)['ROS_DOMAIN_ID'] == '17'
+        assert sorted([17, *taken()]) == list(range(1, 101))
+
+
+def test_a_user_may_choose_the_domain_of_a_run_and_keeps_it(taken, monkeypatch):
+    with ExitStack() as chosen:
+        with ExitStack() as own:
+            mine = free_domain(own)
+            monkeypatch.setenv('ROS_DOMAIN_ID', str(mine))
+            environment_of_run(chosen)
+        assert mine not in taken()
+
+
+def test_the_domain_of_these_tests_is_held():
+    with ExitStack() as locks:
+        assert free_domain(locks) != int(os.environ['ROS_DOMAIN_ID'])
+
+
+@pytest.mark.parametrize('variables, arguments, words', [
+    ({'ROS_SECURITY_ENABLE': 'true', 'ROS_SECURITY_STRATEGY': 'Enforce'}, [],
+     ('ROS_SECURITY_KEYSTORE', 'security libraries', 'docs/integration.md')),
+    ({'ROS_DOMAIN_ID': 'one'}, [], ('not an integral number', 'ROS_DOMAIN_ID (0 to 101)')),
+    ({}, ['--ros-args', '-p', 'a'], ("parse parameter override rule: '-p a'", '--ros-args'))])
+def test_where_ros_cannot_start_a_node_says_so_in_one_line(variables, arguments, words):
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.estimator', *arguments], timeout=PATIENCE,
+        env={**environment(), **variables}, capture_output=True, text=True)
+    # What begins with a bracket is rcl's own log.
+    lines = [line for line in done.stderr.splitlines() if not line.startswith('[')]
+    assert done.returncode == 1 and len(lines) == 1, done.stderr
+    assert lines[0].startswith('estimator: ') and all(word in lines[0] for word in words)
+
+
+def test_a_node_asks_its_executor_seldom():
+    """For rclpy loses 32 bytes each time."""
+    done = subprocess.run([sys.executable, '-c', CALLS], env=environment(), timeout=PATIENCE,
+                          capture_output=True, text=True)
+    code, calls = map(int, done.stdout.split())
+    assert code == 0 and 1 <= calls <= 3, done.stderr
