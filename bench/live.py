@@ -57,7 +57,7 @@ def _used(pids: Mapping[str, int]) -> dict[str, float]:
     return used
 
 
-def _prefer(pids: Mapping[str, int]) -> None:
+def prefer(pids: Mapping[str, int]) -> None:
     """Let these processes go before all ordinary ones, the plant first; only root may."""
     for name, pid in pids.items():
         level = os.sched_param({'plant': 3, 'controller': 2}.get(name, 1))
@@ -80,7 +80,7 @@ def run(seconds: float, *, realtime: bool = False, rate: float = 100.0, first: b
             pids = {name: entry.process.pid for name, entry in session.nodes.items()}
             try:
                 if first and not looks:
-                    _prefer(pids)
+                    prefer(pids)
                 looks.append((float(words[1]), time.monotonic(), _used(pids)))
             except (FileNotFoundError, ProcessLookupError):
                 pass    # a thread, or the run, has just ended

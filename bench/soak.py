@@ -4,6 +4,7 @@
 All nodes for a long time: does memory grow, is a step late or lost, do clock and data part.
 
     python -m bench.soak --minutes 20                  # real time
+    python -m bench.soak --minutes 20 --first          # the nodes go before all other work
     python -m bench.soak --hours 8                     # simulated time, as fast as it goes
 
 The processes are watched from outside and the bag is read afterwards. Prints a table and OK, or
@@ -22,6 +23,7 @@ import tempfile
 import time
 from typing import NamedTuple
 
+from bench.live import prefer
 from hst_drive.bag import read_log
 from mcap.reader import make_reader
 import numpy as np
@@ -62,8 +64,13 @@ def main(arguments: list[str] | None = None) -> int:
                         help='%% of the readings that may come later (default: 0.1)')
     parser.add_argument('--growth', type=float, default=5.0,
                         help='MB/h by which a process may grow (default: 5)')
+    parser.add_argument('--first', action='store_true',
+                        help='give the nodes real-time priority, as root: on a machine that '
+                        'others use')
     parser.add_argument('--output', help='keep the bag in this folder')
     args = parser.parse_args(arguments)
+    if args.first and os.geteuid():
+        parser.error('--first: only root may give that priority')
     real = args.minutes is not None
     seconds = 60.0 * args.minutes if real else 3600.0 * args.hours
     with tempfile.TemporaryDirectory() as folder:
@@ -75,7 +82,7 @@ def main(arguments: list[str] | None = None) -> int:
              *(['--realtime'] if real else [])], stderr=subprocess.PIPE, text=True,
             stdout=subprocess.PIPE)
         began = time.monotonic()
-        memory = watch(process)
+        memory = watch(process, args.first)
         wall = time.monotonic() - began
         out, err = process.communicate()
         if process.returncode:
@@ -83,7 +90,7 @@ def main(arguments: list[str] | None = None) -> int:
             return 1
         print(f'{machine()}; load average {os.getloadavg()[1]:.1f} in the last 5 minutes')
         print(f'{seconds / 60:g} min in {"real" if real else "simulated"} time, {wall:.0f} s by '
-              'the clock on the wall\n')
+              f'the clock on the wall{", nodes before all other work" * args.first}\n')
         wrong = judge_memory(memory, args.growth)
         wrong += judge_data(bag, seconds, real, args)
         wrong += judge_drive(bag) if real else []
@@ -111,8 +118,8 @@ def nodes_of(pid: int) -> Iterator[tuple[str, int]]:
                 yield word.rpartition('.')[2], int(folder.name)
 
 
-def watch(process: subprocess.Popen) -> dict[str, Memory]:
-    """Look at the nodes until the run ends; return what each used."""
+def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
+    """Look at the nodes until the run ends; return what each used; ``first``: see ``--first``."""
     page, tick = os.sysconf('SC_PAGE_SIZE') / 1e6, os.sysconf('SC_CLK_TCK')
     rows: dict[str, list[tuple[float, float, float]]] = {}
     known: dict[str, int] = {}
@@ -121,6 +128,8 @@ def watch(process: subprocess.Popen) -> dict[str, Memory]:
         if len(known) < 5:
             known = dict(nodes_of(process.pid))
             continue
+        if first:
+            _prefer(known)
         for name, pid in known.items():
             try:
                 resident = int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * page
@@ -130,10 +139,18 @@ def watch(process: subprocess.Popen) -> dict[str, Memory]:
             if resident:
                 used = (int(words[11]) + int(words[12])) / tick
                 rows.setdefault(name, []).append((time.monotonic(), resident, used))
-    return {name: _memory(np.array(entry)) for name, entry in rows.items() if len(entry) >= 8}
+    return {name: memory_of(np.array(entry)) for name, entry in rows.items() if len(entry) >= 8}
 
 
-def _memory(rows: np.ndarray) -> Memory:
+def _prefer(pids: dict[str, int]) -> None:
+    try:
+        prefer(pids)    # each time, for threads that are new
+    except (FileNotFoundError, ProcessLookupError):
+        pass            # one has just ended
+
+
+def memory_of(rows: np.ndarray) -> Memory:
+    """Return what looks at a process tell: rows of time (s), memory (MB) and CPU time (s)."""
     at, size, used = rows.T
     warm = at >= at[0] + _WARM * (at[-1] - at[0])
     t, y = at[warm], size[warm]
