@@ -9,6 +9,7 @@ from test.truth.catalogue import TEMPERATURE
 from test.truth.sensors import STANDARD
 from typing import NamedTuple
 
+from hst_drive.bag.align import finish_run
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.load import parse_rig
@@ -91,4 +92,4 @@ def _run(name: str, columns: dict) -> Run:
     for header, values in columns.items():
         channel, unit = parse_header(header)
         channels[channel] = to_si(np.asarray(values, dtype=float), unit)
-    return Run(name, channels.pop('time'), channels, name)
+    return finish_run(name, channels.pop('time'), channels, name, ())

@@ -76,7 +76,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)
-    if left and drifting:
+    drifting = [entry for entry in drifting if entry.channel in left]
+    if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     order = _order(search, best)
     rivals = {name: _rivals(search, best, name) for name in order}

@@ -123,9 +123,9 @@ class Run:
         channels = {}
         for name, values in self.channels.items():
             if name not in CHANNELS or CHANNELS[name].hold != 'zero':
-                channels[name] = values[around].mean(axis=1)
+                channels[name] = _mean(values[around])
             else:
-                channels[name] = values[kept] if found else values[after].mean(axis=1)
+                channels[name] = values[kept] if found else _mean(values[after])
         return Run(self.name, self.time[around].mean(axis=1), channels, self.source, self.notes)
 
     def _stepping(self, steps: range) -> tuple[int, int] | None:
@@ -138,6 +138,14 @@ class Run:
         if len(rows) < _FEWEST or counts[best].max() < _STEPPING * len(rows):
             return None
         return best, int(counts[best].argmax())
+
+
+def _mean(values: np.ndarray) -> np.ndarray:
+    """Return the mean of each row's numbers; NaN where there are none."""
+    there = np.isfinite(values)
+    count = there.sum(axis=1)
+    return np.where(count > 0, np.where(there, values, 0.0).sum(axis=1) / np.maximum(count, 1),
+                    np.nan)
 
 
 def refuse_impossible(run: Run) -> None:

@@ -81,21 +81,26 @@ def refuse_wrong_units(rig: Rig, runs: Sequence[Run]) -> None:
 
     """
     for run in runs:
-        told = unit_doubts(rig, run)
+        told = unit_doubts(rig, run, sure=True)
         if told:
             raise InputError(f'{run.source}: {"; ".join(told)}; no missing physics does that: '
                              'mend the unit (column header or --channels) or the number in the '
                              'rig file, or leave the column out')
 
 
-def unit_doubts(rig: Rig, run: Run) -> list[str]:
-    """Return a line for each channel that is off by a factor or a sign."""
+def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
+    """
+    Return a line for each channel that is off by a factor or a sign.
+
+    ``sure``: only by one that no loss and no badly calibrated sensor makes.
+    """
     found = []
     temperature = run.channels.get('oil_temperature')
     if temperature is not None and _median(temperature) > _HOTTEST:
         found.append(f'oil_temperature is {_median(temperature) - 273.15:.0f} degC in the median, '
                      'which no oil is (K or degF as degC?)')
-    return found + [line for group in _groups(rig, run) for line in _factor(group)]
+    return found + [line for group in _groups(rig, run)
+                    for line in _factor(group, sure)]
 
 
 def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
@@ -186,7 +191,7 @@ def _alike(ratio: float) -> bool:
     return 1 / _AGREE < ratio < _AGREE
 
 
-def _factor(group: Group) -> list[str]:
+def _factor(group: Group, sure: bool = False) -> list[str]:
     """Tell which witness is off by a factor from two that agree."""
     names = list(group.values)
     for name in names:
@@ -202,7 +207,7 @@ def _factor(group: Group) -> list[str]:
         unit = _unit_of(name, ratio)
         low, high = _made_by_losses(name, group.beyond)
         clear = not low < ratio < high
-        if not clear and not (unit and all(abs(pair - 1) < 0.15 for pair in pairs)):
+        if not clear and (sure or not unit or any(abs(pair - 1) >= 0.15 for pair in pairs)):
             continue
         said = f'{name} reads {abs(ratio):.3g} times what {" and ".join(others)} say'
         if ratio < 0:

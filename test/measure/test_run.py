@@ -3,6 +3,7 @@
 """A recording as such: parts of it, and slower samples."""
 from hst_drive.measure.run import Run
 import numpy as np
+import pytest
 
 
 def _run(n: int = 1001, step: float = 0.002) -> Run:
@@ -24,6 +25,28 @@ def test_slower_averages_white_noise():
     noise = np.random.default_rng(3).standard_normal(len(run))
     slow = Run('n', run.time, {'motor_speed': noise}).slower(0.01)
     assert abs(slow['motor_speed'].std() * np.sqrt(5) - 1) < 0.03
+
+
+def test_slower_keeps_commands_in_time_and_what_a_gap_leaves():
+    """Rows are kept where the controller steps; a missing sample costs no other."""
+    n = 2000
+    time = np.arange(n) * 0.002
+    command = np.random.default_rng(5).standard_normal(n // 5 + 1)[(np.arange(n) + 2) // 5]
+    speed = np.full(n, 7.0)
+    speed[101] = np.nan
+    slow = Run('n', time, {'pump_command': command, 'motor_speed': speed}).slower(0.008)
+    assert np.allclose(np.diff(slow.time), 0.01) and np.all(slow['motor_speed'] == 7.0)
+    assert np.array_equal(slow['pump_command'], command[np.rint(slow.time / 0.002).astype(int)])
+    assert np.all(np.rint(slow.time / 0.002) % 5 == 3)
+
+
+def test_slower_delays_no_command_that_steps_at_any_row():
+    """Held from row to row it has the same integral."""
+    command = np.repeat(np.random.default_rng(6).standard_normal(400), 7)
+    time = np.arange(len(command)) * 0.002
+    slow = Run('n', time, {'pump_command': command}).slower(0.008)
+    rows = slice(*np.rint((slow.time[[0, -1]] + [0.0, 0.008]) / 0.002).astype(int))
+    assert np.sum(slow['pump_command']) * 4 == pytest.approx(np.sum(command[rows]), abs=0.1)
 
 
 def test_slower_leaves_slow_records_alone():

@@ -68,9 +68,9 @@ def test_a_drift_is_the_channels_that_drifts(channel, end):
 
 @pytest.mark.parametrize('channel, factor', (
     ('motor_speed', 0.3), ('pump_outlet_pressure', 4.0), ('pump_command', 1.8),
-    ('load_torque', 1.2)))
+    ('load_torque', 1.2), ('load_torque', 0.74)))
 def test_what_wear_or_a_sensor_out_of_adjustment_does_is_no_unit(channel, factor):
-    """A motor that leaks 70 %, a bearing that takes 3/4, a worn pump, torque 20 % off."""
+    """A motor that leaks 70 %, a bearing that takes 3/4, a worn pump, torque 20 or 26 % off."""
     run = spoilt(lambda values: values * factor, channel)
     refuse_wrong_units(default_rig(), [run])
 
