@@ -18,6 +18,7 @@ from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
 
 MIN_ROWS = 10
+_SHORTEST = 1e-4        # s: no logger of a drive is faster
 """Fewer samples than this are no recording."""
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
@@ -53,6 +54,10 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
     if len(time) < MIN_ROWS:
         raise InputError(f'{source}: only {len(time)} {rows[:-1] if len(time) == 1 else rows} of '
                          f'data; a recording needs at least {MIN_ROWS}')
+    interval = float(np.median(np.diff(time)))
+    if interval < _SHORTEST:
+        notes.append(f'rows come every {1e6 * interval:.3g} us: is the unit of the time column '
+                     'right?')
     kept = {}
     holes: dict[int, list[str]] = {}
     for channel, values in channels.items():

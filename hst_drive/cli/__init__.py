@@ -30,6 +30,7 @@ PROG = 'hst-drive'
 # The matrices of a fit are small and both cores have work: threads of the linear algebra on top
 # cost more than half as much again. Set before NumPy is loaded; the user's own setting stands.
 ONE_THREAD = ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')
+_OUTPUTS = ('json', 'output', 'plot')     # options that name a file to write
 _OK, _FAILED, _WRONG_INPUT, _INTERRUPTED, _BROKEN_PIPE = 0, 1, 2, 130, 141
 
 
@@ -157,4 +158,18 @@ def _run_verb(name: str, arguments: list[str], prog: str) -> int:
     options = parser.parse_args(arguments)
     if getattr(options, 'json', None):
         check_target(options.json)
+    _refuse_to_write_what_is_read(vars(options))
     return module.run(options)
+
+
+def _refuse_to_write_what_is_read(options: dict[str, object]) -> None:
+    """Raise InputError if an output is one of the inputs: nobody wants to lose a measurement."""
+    texts = {name: [text for text in (value if isinstance(value, list) else [value])
+                    if isinstance(text, str)] for name, value in options.items()}
+    read = {Path(text).resolve() for name, found in texts.items() if name not in _OUTPUTS
+            for text in found if os.path.isfile(text)}
+    for name in _OUTPUTS:
+        for text in texts.get(name, ()):
+            if Path(text).resolve() in read:
+                raise InputError(f'{text}: would be read and written over; choose another name '
+                                 'for the output')

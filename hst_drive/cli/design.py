@@ -76,10 +76,10 @@ def run(args: argparse.Namespace) -> int:
         models = widened(rig, models, rivals.channels)
     result = design(rig, models, rivals.channels, duration=args.duration,
                     closed_loop=args.closed_loop, progress=progress_line())
+    if args.output:
+        write_yaml(result.content, args.output)
     if args.json != '-':
         print(text(result, args.output))
-    if args.output and result.advice != 'neither':
-        write_yaml(result.content, args.output)
     if args.json:
         write_json(as_json(result, args.output), args.json)
     return 0
@@ -93,20 +93,22 @@ def text(result: Design, output: str | None) -> str:
     if output:
         lines += [f"written to {output}; play it with 'hst-drive run {output}', then "
                   'diagnose its recording together with the first logs']
-    lines += ['', 'what remains between the model of one and the fit of the other:',
+    lines += ['', 'what remains between the model of one and the fit of the other (sigma: '
+              'linearised, as\nthe search ranks tests; played with noise it may be less):',
               _differences(result)]
     if result.options:
-        lines += ['', 'expected significance of the worst pair with one more sensor:', table(
+        lines += ['', 'significance of the worst pair with one more sensor (linearised):', table(
             ['channel', 'sigma'], sorted(result.options.items(), key=lambda item: -item[1]))]
     return '\n'.join(lines)
 
 
 def sentence(result: Design) -> str:
     """Return the advice in a sentence or two."""
-    reached = f'{result.significance:.1f} sigma expected for the worst pair'
+    reached = f'{result.significance:.1f} sigma for the worst pair, played with noise and fitted'
     if result.advice == 'profile':
         return f'A test with the sensors that are there separates them ({reached}).'
-    alone = f'No test within the limits is enough ({result.without_sensor:.1f} sigma)'
+    alone = (f'No test within the limits is enough ({result.without_sensor:.1f} sigma, played '
+             'with noise and fitted)')
     if result.advice == 'sensor':
         return f'{alone}; add a sensor for {result.sensor}: any test then separates them ' \
                f'({reached}).'

@@ -56,7 +56,7 @@ def _size(args: argparse.Namespace, bench: Bench) -> float:
                          f'{_listed(sizes)} cc/rev; choose one with --motor')
     wanted = to_si(args.motor, 'cc/rev')
     near = int(np.argmin(np.abs(sizes - wanted)))
-    if abs(sizes[near] / wanted - 1.0) > 0.05:
+    if abs(sizes[near] / wanted - 1.0) > 0.01:
         raise InputError(f'--motor {args.motor:g}: the bench has motors of {_listed(sizes)} '
                          'cc/rev; choose one of these')
     return float(sizes[near])

@@ -279,10 +279,8 @@ def _with_sensor(work: Designer, options, duration: float, trial: Trial,
         if value >= CLEAR:
             plain = work.verified(plain_drilling(suited.duration), channels)
             return name, suited, value, 'sensor' if plain >= CLEAR else 'both'
-        if value <= reached + 0.5:
-            return '', trial, reached, 'neither'
-        trial, reached = suited, value
-    return name, trial, reached, 'neither'
+    # A sensor that does not suffice is not advised.
+    return '', trial, reached, 'neither'
 
 
 def in_short(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> str:

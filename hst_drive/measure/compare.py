@@ -129,7 +129,8 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
 def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,
                 all_seconds: bool = False) -> LogComparison:
     """Do what ``compare`` does with one recording, but for the regions of the error."""
-    count = (everything if all_seconds or isinstance(drive, PartModel) else judged)(run)
+    bench = isinstance(drive, PartModel) and 'pump_command' not in run
+    count = (everything if all_seconds or bench else judged)(run)
     replay, shift, model, floor = _aligned(run, drive, count)
     run = replay.run
     noise = dict(replay.noise)

@@ -36,7 +36,7 @@ class Readings:
         return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
 
     def noise(self, name: str, values: np.ndarray) -> float:
-        """Return the white noise (SI) in a channel's readings, or in what is left of them."""
+        """Tell how large the white part of a signal is, or of what is left of it (SI)."""
         low, high = self.at_ends(name)
         # A reading that stands at the end of its range shows no noise.
         moving = np.where(low | high, np.nan, values)

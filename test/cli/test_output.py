@@ -7,10 +7,14 @@ import os
 from pathlib import Path
 import stat
 
+from hst_drive.bag import write_csv
+from hst_drive.cli import main
 from hst_drive.cli.output import table, write_json
 from hst_drive.errors import InputError
 import numpy as np
 import pytest
+
+from ..measure.synthetic import record
 
 
 @dataclass
@@ -89,3 +93,17 @@ def test_table_refuses_a_ragged_row():
     """A row has one cell per column."""
     with pytest.raises(ValueError, match='row of 1 in a table of 2'):
         table(['a', 'b'], [[1]])
+
+
+@pytest.mark.parametrize('arguments', (
+    ('compare', 'log.csv', '--json', 'log.csv'), ('report', 'log.csv', '-o', './log.csv'),
+    ('compare', 'other.csv', 'log.csv', '--plot', 'log.csv'),
+    ('diagnose', 'other.csv', '--holdout', 'log.csv', '--json', 'log.csv')))
+def test_no_verb_writes_over_what_it_reads(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ('log.csv', 'other.csv'):
+        write_csv(tmp_path / name, record(3, duration=6.0))
+    before = (tmp_path / 'log.csv').read_bytes()
+    assert main(list(arguments)) == 2
+    assert 'would be read and written over' in capsys.readouterr().err
+    assert (tmp_path / 'log.csv').read_bytes() == before
