@@ -30,6 +30,7 @@ SLOTS: dict[str, Slot] = {
     'pump_command': Slot('pump actuator', 'V', 'added to the pump command'),
     'pump_play': Slot('pump actuator', 'V', 'width of the play between command and swash plate'),
     'pump_play_softness': Slot('pump actuator', '1', 'how softly that play takes hold'),
+    'pump_play_spread': Slot('pump actuator', '1', 'how far two halves of that play differ'),
     'pump_lag': Slot('pump actuator', 's', 'added to the displacement lag'),
     'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),

@@ -59,7 +59,7 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     state[5] = state[7] = state[2]
     # A plate with play rests where the flow says, not where the command says.
     state[9] = commands['pump_command']
-    state[8] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
+    state[8] = state[11] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
     return state
 
 

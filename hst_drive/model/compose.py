@@ -47,7 +47,8 @@ OUTPUTS: tuple[str, ...] = (
     'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure')
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
-    'twist', 'speed_reading', 'play', 'last_command', 'slowdown')
+    'twist', 'speed_reading', 'play', 'last_command', 'slowdown',
+    'wide_play')
 
 
 class Kernel(NamedTuple):

@@ -140,7 +140,7 @@ class Drive:
                      pprv_pressure if pressure is None else pressure, speed,
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
         state[5] = state[7] = speed
-        state[8] = state[9] = pump_command
+        state[8] = state[9] = state[11] = pump_command
         state[10] = np.nan      # the pump shaft has settled on what the load asks
         return state
 

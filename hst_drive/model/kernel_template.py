@@ -259,7 +259,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
     twist, reading, play, last_command = state[6], state[7], state[8], state[9]
-    slowdown = state[10]
+    slowdown, wide_play = state[10], state[11]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     for k in range(n):
@@ -276,12 +276,20 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         # slot pump_play
         pump_play_softness = 0.0
         # slot pump_play_softness
+        pump_play_spread = 0.0
+        # slot pump_play_spread
         whole_command = pump_command
         if pump_play > 0.0:
-            play = played(play, last_command, pump_command, 0.5 * pump_play, pump_play_softness)
+            play = played(play, last_command, pump_command,
+                          0.5 * pump_play * (1.0 - pump_play_spread), pump_play_softness)
             pump_command = play
+            if pump_play_spread > 0.0:
+                wide_play = played(wide_play, last_command, whole_command,
+                                   0.5 * pump_play * (1.0 + pump_play_spread),
+                                   pump_play_softness)
+                pump_command = 0.5 * (play + wide_play)
         else:
-            play = pump_command
+            play = wide_play = pump_command
         last_command = whole_command
         pump_lag = p[P_displacement_lag]
         # slot pump_lag
@@ -409,4 +417,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
     state[6], state[7], state[8], state[9] = twist, reading, play, last_command
-    state[10] = slowdown
+    state[10], state[11] = slowdown, wide_play

@@ -155,8 +155,10 @@ class PartModel:
             return self.factor('pump.displacement_vs_command') * pump.displacement(command)
         play = float(np.max(self.terms('pump_play', known)))
         if play > 0:
-            command = _play(command, 0.5 * play,
-                            float(np.max(self.terms('pump_play_softness', known))))
+            softness, spread = (float(np.max(self.terms(slot, known))) for slot in (
+                'pump_play_softness', 'pump_play_spread'))
+            command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness)
+                               for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))

@@ -145,7 +145,7 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
         full = point.state.copy()
         full[:4] = state
         full[5] = full[7] = state[2]
-        full[8] = pump_command
+        full[8] = full[11] = pump_command
         after = drive.advance(full, _MOMENT, pump_command=pump_command, pprv_command=pprv_command,
                               oil_temperature=point.oil_temperature)
         return after[:4] - state

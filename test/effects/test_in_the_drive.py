@@ -238,6 +238,12 @@ def test_actuator_effects():
     played = displacement_after({'pump_hysteresis': {'width': 0.6}}, up_and_down)
     assert played[499] == pytest.approx(table(6.7), rel=1e-4)
     assert played[-1] == pytest.approx(table(5.3), rel=1e-4)
+    # Two plays, +-0.15 and +-0.45 V, stand at 6.85 and 6.55 V; back to 6.6 V moves the first.
+    back = np.concatenate([np.linspace(3.0, 7.0, 400), np.linspace(7.0, 6.6, 100),
+                           np.full(300, 6.6)])
+    bundle = displacement_after({'pump_hysteresis': {
+        'width': 0.6, 'softness': 0.0, 'spread': 0.5}}, back)
+    assert bundle[-1] == pytest.approx(table(0.5 * (6.75 + 6.55)), rel=1e-4)
     step = np.concatenate([np.full(10, 2.0), np.full(600, 10.0)])
     limited = displacement_after({'pump_rate_limit': {'full_stroke_time': 4.0}}, step)
     assert np.diff(limited).max() * 100 == pytest.approx(RIG.pump.max_displacement / 4.0)

@@ -26,7 +26,8 @@ _CHANCE = 12.0      # of squared error in deviations: less may be chance
 _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
 _FAST = ('compliance', 'pump_lag', 'pump_stroke_time', 'pump_play', 'pump_play_softness',
-         'shaft_compliance', 'shaft_load_share', 'speed_reading_lag', 'motor_torque')
+         'pump_play_spread', 'shaft_compliance', 'shaft_load_share', 'speed_reading_lag',
+         'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
 
 
