@@ -16,7 +16,7 @@ from hst_drive.fleet.store import Store
 import pytest
 
 from . import stubs
-from ..nodes.processes import alive, wait_for
+from ..nodes.processes import alive, PATIENCE, wait_for
 
 
 def marks(campaigns):
@@ -78,13 +78,16 @@ def test_a_killed_worker_takes_nothing_with_it(tmp_path):
     assert 'its process died' in bad[0]['reason']
 
 
-CODE = ('import sys\n'
+CODE = ('import signal\n'
+        'import sys\n'
         'from pathlib import Path\n'
         'from hst_drive.fleet.campaigns import find_campaigns\n'
         'from hst_drive.fleet.run import run_fleet\n'
         'from hst_drive.fleet.store import Store\n'
         'from test.fleet import stubs\n'
         'if __name__ == "__main__":\n'
+        # Who starts tests in the background lets them inherit that it is ignored.
+        '    signal.signal(signal.SIGINT, signal.default_int_handler)\n'
         '    run_fleet(find_campaigns(sys.argv[1]), Store(Path(sys.argv[2])),\n'
         '              getattr(stubs, sys.argv[3]), workers=2,\n'
         '              progress=lambda told: print(told.done, flush=True))\n')
@@ -100,7 +103,11 @@ def running(tmp_path, root, results, stub):
             [sys.executable, str(script), str(root), str(results), stub], cwd=place, text=True,
             stdout=subprocess.PIPE, start_new_session=True,
             env={**os.environ, 'PYTHONPATH': str(place)}) as process:
-        yield process
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGKILL])
@@ -113,6 +120,7 @@ def test_no_worker_is_left_behind(tmp_path, number):
         assert all(alive(worker) for worker in workers)
         os.kill(process.pid, number)
         wait_for(lambda: not any(alive(worker) for worker in workers))
+        process.wait(timeout=PATIENCE)
 
 
 def test_an_interrupted_fleet_goes_on(tmp_path):
