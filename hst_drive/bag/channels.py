@@ -103,7 +103,7 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
         raise InputError(f'{source}: expected a mapping with the key "channels"')
     for key in data:
         if key not in _TOP:
-            raise InputError(f'{source}: unknown key {key!r}{_near(key, _TOP)}')
+            raise InputError(f'{source}: unknown key {key!r}{_near(str(key), _TOP)}')
     channels = data.get('channels') or {}
     if not isinstance(channels, dict):
         raise InputError(f'{source}: channels must map our names to columns or topics')

@@ -207,7 +207,8 @@ def _records(file: BinaryIO, offsets: list[int] | None, partial: bool = False,
             return
         if at > size and not (partial and opcode == Opcode.CHUNK):
             return
-        yield opcode, file.read(min(length, 32) if heads else length)
+        # A damaged length may be anything; more than the file has is not read.
+        yield opcode, file.read(min(length, 32 if heads else size))
 
 
 class _Collector:
@@ -290,7 +291,7 @@ def _unpack(body: bytes, partial: bool) -> bytes:
             raise DamagedError(f'unknown compression {compression!r}')
         else:
             data = packed
-    except (zstandard.ZstdError, RuntimeError, EOFError):
+    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
         raise DamagedError('a chunk cannot be decompressed') from None
     if cut and partial:
         return data

@@ -106,6 +106,7 @@ def test_a_map_that_does_not_fit_the_csv(tmp_path):
 @pytest.mark.parametrize('data, said', [
     (None, 'expected a mapping'),
     ({'chanels': {}}, "unknown key 'chanels'; did you mean 'channels'"),
+    ({None: {}}, 'unknown key None'),
     ({'channels': []}, None),
     ({'channels': [1]}, 'must map our names'),
     ({'channels': {'motor_sped': 'x'}}, "no such channel; did you mean 'motor_speed'"),

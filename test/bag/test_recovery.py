@@ -4,6 +4,7 @@
 import os
 from pathlib import Path
 import signal
+import struct
 import subprocess
 import sys
 
@@ -117,3 +118,19 @@ def test_what_cannot_be_recovered(tmp_path, make, said):
     with pytest.raises(InputError, match=said):
         recover(tmp_path / 'b', tmp_path / 'saved')
     assert not (tmp_path / 'saved').exists()
+
+
+@pytest.mark.parametrize('length', [2**62, 2**63 + 5, 2**64 - 1])
+def test_a_chunk_that_claims_more_than_there_can_be(tmp_path, length):
+    """Its length is damaged: what the file has of it is read, and no more."""
+    write_run(tmp_path / 'bag', make_run())
+    file = next((tmp_path / 'bag').glob('*.mcap'))
+    data = bytearray(file.read_bytes())
+    at = 8
+    while data[at] != 0x06:
+        at += 9 + struct.unpack_from('<Q', data, at + 1)[0]
+    struct.pack_into('<Q', data, at + 1, length)
+    (tmp_path / 'claims.mcap').write_bytes(data)
+    with pytest.raises(InputError, match='a record goes beyond its file.*hst-drive recover'):
+        read_log(tmp_path / 'claims.mcap')
+    assert recover(tmp_path / 'claims.mcap', tmp_path / 'saved').messages > 0
