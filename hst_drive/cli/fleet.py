@@ -63,10 +63,14 @@ def run(args: argparse.Namespace) -> int:
         check_target(args.output)
     campaigns = find_campaigns(args.place)
     began = time.monotonic()
-    rows = run_fleet(campaigns, Store(Path(args.results)),
-                     partial(diagnose_campaign, describe=as_json),
-                     workers=args.workers, scheduler=args.scheduler, again=args.again,
-                     progress=_progress(began))
+    try:
+        rows = run_fleet(campaigns, Store(Path(args.results)),
+                         partial(diagnose_campaign, describe=as_json),
+                         workers=args.workers, scheduler=args.scheduler, again=args.again,
+                         progress=_progress(began))
+    except KeyboardInterrupt:
+        say(f'what is done is kept in {args.results}; the same command goes on from there')
+        raise
     summary = summarise(rows)
     if args.json != '-':
         print(text(rows, summary))

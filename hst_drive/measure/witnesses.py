@@ -209,7 +209,8 @@ def _factor(group: Group, sure: bool = False) -> list[str]:
         clear = not low < ratio < high
         if not clear and (sure or not unit or any(abs(pair - 1) >= 0.15 for pair in pairs)):
             continue
-        said = f'{name} reads {abs(ratio):.3g} times what {" and ".join(others)} say'
+        times = '' if _alike(-ratio) else f'{abs(ratio):.3g} times '
+        said = f'{name} reads {times}what {" and ".join(others)} say'
         if ratio < 0:
             said += ', with the other sign'
         return [said + (f' ({unit}?)' if unit else '')]
