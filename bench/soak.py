@@ -13,13 +13,13 @@ what is out (exit code 1).
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 import os
 from pathlib import Path
 import platform
 import subprocess
 import sys
 import tempfile
+from test.nodes.processes import children
 import time
 from typing import NamedTuple
 
@@ -105,19 +105,6 @@ def machine() -> str:
     return f'{model}, {os.cpu_count()} cores, Python {platform.python_version()}'
 
 
-def nodes_of(pid: int) -> Iterator[tuple[str, int]]:
-    """Yield name and process of the nodes that a run has started."""
-    for folder in Path('/proc').glob('[0-9]*'):
-        try:
-            words = (folder / 'cmdline').read_bytes().decode().split('\0')
-            parent = int((folder / 'stat').read_text().rpartition(')')[2].split()[1])
-        except (OSError, ValueError):
-            continue
-        for word in words:
-            if parent == pid and word.startswith('hst_drive.nodes.'):
-                yield word.rpartition('.')[2], int(folder.name)
-
-
 def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
     """Look at the nodes until the run ends; return what each used; ``first``: see ``--first``."""
     page, tick = os.sysconf('SC_PAGE_SIZE') / 1e6, os.sysconf('SC_CLK_TCK')
@@ -126,7 +113,7 @@ def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
     while process.poll() is None:
         time.sleep(_EVERY if len(known) >= 5 else 0.5)
         if len(known) < 5:
-            known = dict(nodes_of(process.pid))
+            known = children(process.pid)
             continue
         if first:
             _prefer(known)
