@@ -68,5 +68,3 @@ def _refuse_inputs(args: argparse.Namespace, rig_file: str) -> None:
     if Path(rig_file).exists() and target.samefile(rig_file):
         raise InputError(f'{target}: is the rig that was diagnosed; choose another name, so '
                          'that both can be compared')
-    if Path(args.diagnosis).exists() and target.samefile(args.diagnosis):
-        raise InputError(f'{target}: is the diagnosis itself; choose another name')

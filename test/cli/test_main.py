@@ -132,8 +132,10 @@ def test_traceback_on_request(command, arguments, environment):
 
 def test_ctrl_c(command):
     """Ctrl-C ends with 130 and one line."""
+    # Who starts tests in the background lets them inherit that the signal is ignored.
     process = subprocess.Popen([*command, 'probe', 'wait'], stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     assert process.stdout.readline() == 'waiting\n'
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30)

@@ -140,7 +140,7 @@ def test_a_file_that_exists_is_replaced_only_with_force(written, tmp_path, capsy
     assert run(capsys, written, '-o', target, '--force')[0] == 0
     assert load_rig(target).effects.keys() == FOUND.keys()
     before = written.read_bytes()
-    assert 'is the diagnosis itself' in refused(capsys, written, '-o', written, '--force')
+    assert 'would be read and written over' in refused(capsys, written, '-o', written, '--force')
     assert written.read_bytes() == before
     link = tmp_path / 'link.yaml'
     link.symlink_to(RIG)

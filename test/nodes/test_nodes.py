@@ -137,8 +137,15 @@ def test_a_command_that_is_no_number_is_told_and_the_last_one_held(client):
     tell = client[0].create_publisher(Vector3Stamped, '/drive/pump_command', 100)
     message = Vector3Stamped()
     with node('plant') as process:
-        wait_for(tell.get_subscription_count)
-        for value in (6.0, float('nan'), float('inf')):
+        def turns():
+            # The first messages may come before the plant has seen who sends them.
+            message.vector.x = 6.0
+            tell.publish(message)
+            client[2].spin_once(timeout_sec=0.1)
+            return got and got[-1].velocity[0] > 5
+
+        wait_for(turns)
+        for value in (float('nan'), float('inf')):
             message.vector.x = value
             tell.publish(message)
         del got[:]
