@@ -212,6 +212,7 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
     try:
         with node('controller', *apart, *TIMES, '-p', 'mode:=open_loop'):
             machine.run_up(wish=None, manual=6.0)
+            machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
             goes_to_zero(machine, 'command_invalid', wish=None, manual=11.0)
             machine.until(lambda: machine.told.get('against_reset') == '', manual=6.0)
             assert machine.reset(manual=6.0).success
