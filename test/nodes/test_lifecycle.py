@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from .processes import environment, messages, node, PATIENCE, wait_for
-from .test_nodes import client, parameters_of  # noqa: F401 (a fixture)
+from .test_nodes import client, parameters_of, until_answered  # noqa: F401 (a fixture)
 
 rclpy = pytest.importorskip('rclpy')
 managed = partial(node, managed=True)
@@ -25,6 +25,7 @@ class Asker:
         self.get = self.asker.create_client(GetState, f'/drive/{name}/get_state')
         for entry in (self.change, self.get):
             assert entry.wait_for_service(timeout_sec=PATIENCE)
+        until_answered(client, lambda: self.get.call_async(GetState.Request()))
 
     def __call__(self, number):
         from lifecycle_msgs.srv import ChangeState

@@ -40,7 +40,21 @@ def parameters_of(client, name):
 
     found = AsyncParameterClient(client[0], f'/drive/{name}')
     assert found.wait_for_services(timeout_sec=PATIENCE)
+    for ask in (found.list_parameters, lambda: found.get_parameters(['use_sim_time']),
+                lambda: found.describe_parameters(['use_sim_time']),
+                lambda: found.set_parameters([]), lambda: found.set_parameters_atomically([])):
+        until_answered(client, ask)
     return found
+
+
+def until_answered(client, ask):
+    """Ask again and again: what a node answers before it has seen who listens is lost."""
+    for _ in range(30):
+        future = ask()
+        client[2].spin_until_future_complete(future, timeout_sec=3.0)
+        if future.done():
+            return
+    raise AssertionError('no answer')
 
 
 @pytest.mark.parametrize('name', NODES)
