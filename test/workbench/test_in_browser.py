@@ -33,6 +33,8 @@ class Served:
         self.process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'workbench', '--port', '0', *map(str, arguments)],
             cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            # Who starts tests in the background lets them inherit that it is ignored.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
             env={**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))})
         self.address = re.search('http://[^ ]+', self.process.stdout.readline())[0]
 
