@@ -214,8 +214,9 @@ class Cases:
 EDITS = st.lists(EDIT, min_size=1, max_size=3)
 
 
-def fuzz(cases: Cases, name: str, count: int, start: int = 0) -> tuple[Counter, float]:
-    """Run so many cases of a reader; return what became of them, and the slowest one's time, s."""
+def checker(cases: Cases, name: str, count: int, start: int = 0) -> tuple[
+        Callable, Counter, list[float]]:
+    """Return a test of so many cases, what becomes of them, and the slowest one's time, s."""
     strategy, read = cases.readers[name]
     seen: Counter = Counter()
     slowest = [0.0]
@@ -244,6 +245,12 @@ def fuzz(cases: Cases, name: str, count: int, start: int = 0) -> tuple[Counter, 
             signal.signal(signal.SIGPROF, before)
             slowest[0] = max(slowest[0], time.process_time() - began)
 
+    return run, seen, slowest
+
+
+def fuzz(cases: Cases, name: str, count: int, start: int = 0) -> tuple[Counter, float]:
+    """Run so many cases of a reader; return what became of them, and the slowest one's time, s."""
+    run, seen, slowest = checker(cases, name, count, start)
     with warnings.catch_warnings():
         warnings.simplefilter('ignore')     # numpy on overflow
         run()

@@ -266,7 +266,10 @@ def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], re
     if not signal:
         return 'There is nothing to judge.'
     title = CHANNELS[signal].title
-    lacks = ' and '.join(f'{entry.id} ({catalogue()[entry.id].title})' for entry in effects)
+    lacks = ' and '.join(
+        f'{entry.id} ({catalogue()[entry.id].title})' + (
+            f", or {' or '.join(entry.indistinguishable_from)} in its place"
+            if entry.indistinguishable_from else '') for entry in effects)
     falls = (f'Held-out error of {title} falls from {first[signal]:.1f} to {last[signal]:.1f} '
              'times the noise.')
     if verdict == 'none':
@@ -275,10 +278,7 @@ def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], re
     if verdict == 'missing_effect':
         return f'The model lacks {lacks}. {falls}'
     if verdict == 'ambiguous':
-        doubts = '; '.join(
-            f"{entry.id} cannot be told from {', '.join(entry.indistinguishable_from)}"
-            for entry in effects if entry.indistinguishable_from)
-        return f'The model lacks {lacks}, but {doubts} on these logs. {falls}'
+        return f'The model lacks {lacks}: these logs cannot tell which. {falls}'
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
