@@ -105,7 +105,9 @@ class PartCampaign(Campaign):
 
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter is fitted: here also the shape of a friction curve."""
-        return name in catalogue() or super().fits(name, key)
+        if name not in catalogue():
+            return super().fits(name, key)
+        return not catalogue()[name].parameter(key).whole_drive
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

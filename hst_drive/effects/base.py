@@ -32,7 +32,9 @@ SLOTS: dict[str, Slot] = {
     'pump_play_softness': Slot('pump actuator', '1', 'how softly that play takes hold'),
     'pump_play_spread': Slot('pump actuator', '1', 'how far two halves of that play differ'),
     'pump_lag': Slot('pump actuator', 's', 'added to the displacement lag'),
+    'pump_series_lag': Slot('pump actuator', 's', 'lag in series with that of the displacement'),
     'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
+    'pump_stroke_asymmetry': Slot('pump actuator', '1', 'how much faster up than on average'),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
     'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
@@ -96,7 +98,8 @@ class Parameter:
 
     ``neutral`` switches the effect off; ``low`` and ``high`` bound what is plausible on a real
     machine; ``typical`` is a size at which the effect matters and where a fit may start. A
-    ``fixed`` parameter is chosen, not fitted.
+    ``fixed`` parameter is chosen, not fitted; one of the ``whole_drive`` is fitted there only: in
+    logs of a part its values compete as effects of their own.
     """
 
     name: str
@@ -107,6 +110,7 @@ class Parameter:
     meaning: str
     neutral: float = 0.0
     fixed: bool = False
+    whole_drive: bool = False
 
 
 @dataclass(frozen=True)

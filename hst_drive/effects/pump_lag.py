@@ -4,9 +4,14 @@
 from hst_drive.effects.base import Effect, Parameter
 
 
-def lag(time_constant):
+def lag(time_constant, series):
     """Return what is added to the displacement lag, s."""
-    return time_constant
+    return (1.0 - series) * time_constant
+
+
+def series_lag(time_constant, series):
+    """Return the lag of what stands before the swash plate, a valve or an amplifier, s."""
+    return series * time_constant
 
 
 EFFECT = Effect(
@@ -14,10 +19,14 @@ EFFECT = Effect(
     title="the actuator is slower than the datasheet's lag",
     slot='pump_lag',
     function=lag,
-    equation='lag = lag_datasheet + time_constant',
+    also=(('pump_series_lag', series_lag),),
+    equation='lag = lag_datasheet + (1 - series)*time_constant, and a lag of '
+             'series*time_constant before it',
     parameters=(
         Parameter('time_constant', 's', 0.0, 3.0, 0.08,
                   'added to the first-order lag of the displacement'),
+        Parameter('series', '1', 0.0, 1.0, 0.0,
+                  'part of it that is a lag of its own, before the swash plate'),
     ),
     telltale='Speed and flow follow every step of the command late, small or large; steady '
              'values are right.',

@@ -3,8 +3,8 @@
 """
 Wear of the pump that acts like an orifice: a nick or an edge instead of a gap.
 
-In the whole drive nothing tells it from laminar leakage, so it is searched only in logs of a
-part, where pressure spans far enough to tell the two.
+In logs of the whole drive ``pump_leakage`` has an exponent for it; here the two are told apart
+in logs of a part, where pressure spans far enough.
 """
 from hst_drive.effects.base import Effect, Parameter
 

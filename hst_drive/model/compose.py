@@ -48,7 +48,7 @@ OUTPUTS: tuple[str, ...] = (
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
     'twist', 'speed_reading', 'play', 'last_command', 'slowdown',
-    'wide_play')
+    'wide_play', 'pilot_aim')
 
 
 class Kernel(NamedTuple):

@@ -142,6 +142,7 @@ class Drive:
         state[5] = state[7] = speed
         state[8] = state[9] = state[11] = pump_command
         state[10] = np.nan      # the pump shaft has settled on what the load asks
+        state[12] = np.nan      # and the pump's control on the command
         return state
 
     def simulate(self, time: np.ndarray, inputs: Mapping[str, np.ndarray],

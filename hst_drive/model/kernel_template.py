@@ -214,11 +214,11 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
                 speed_change, pump_speed_lag, displacement, pump_pressure, motor_speed,
                 pprv_pressure, load_speed, reading, slowdown, target, pprv_target, lag, rate,
-                reading_lag, p, on):
+                back_rate, reading_lag, p, on):
     """Return the time derivatives of the nine states from what the balances have found."""
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
-        displacement_rate = min(max(displacement_rate, -rate), rate)
+        displacement_rate = min(max(displacement_rate, -back_rate), rate)
     pressure_rate = (pump_flow - flow) / (compliance * p[P_volume])
     if pump_pressure <= CAVITATION_PRESSURE and pressure_rate < 0.0:
         pressure_rate = 0.0
@@ -259,7 +259,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     displacement, pump_pressure, motor_speed = state[0], state[1], state[2]
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
     twist, reading, play, last_command = state[6], state[7], state[8], state[9]
-    slowdown, wide_play = state[10], state[11]
+    slowdown, wide_play, pilot_aim = state[10], state[11], state[12]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     for k in range(n):
@@ -293,11 +293,16 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         last_command = whole_command
         pump_lag = p[P_displacement_lag]
         # slot pump_lag
+        pump_series_lag = 0.0
+        # slot pump_series_lag
         pump_stroke_time = 0.0
         # slot pump_stroke_time
-        rate = 0.0
+        pump_stroke_asymmetry = 0.0
+        # slot pump_stroke_asymmetry
+        rate = back_rate = 0.0
         if pump_stroke_time > 0.0:
-            rate = max_displacement / pump_stroke_time
+            rate = max_displacement / pump_stroke_time * (1.0 + pump_stroke_asymmetry)
+            back_rate = max_displacement / pump_stroke_time * (1.0 - pump_stroke_asymmetry)
         speed_reading_lag = 0.0
         # slot speed_reading_lag
         if speed_reading_lag <= 0.0:
@@ -309,6 +314,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             pump_command, T_DISPLACEMENT, values, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
             pprv_command, T_PPRV_PRESSURE, values, layout)
+
+        if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
+            pilot_aim = target
 
         interval = time[min(k + 1, n - 1)] - time[k]
         slope = (disturbances[min(k + 1, n - 1)] - disturbance) / max(interval, 1e-12)
@@ -355,10 +363,14 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     out[k, 11] = pprv_pressure
                     if k == n - 1:
                         break
+                aim = target
+                if pump_series_lag > 0.0:
+                    # The lag before the swash plate's own: exact, since the command holds.
+                    aim += (pilot_aim - target) * math.exp(-(elapsed + ahead) / pump_series_lag)
                 r0, r1, r2, r3, r4, r5, r6, r7, r8 = derivatives(
                     flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
-                    speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, target,
-                    pprv_target, pump_lag, rate, speed_reading_lag, p, on)
+                    speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, aim,
+                    pprv_target, pump_lag, rate, back_rate, speed_reading_lag, p, on)
                 if stage == 0:
                     step = max_step
                     if on[ON_SHAFT]:
@@ -409,6 +421,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             elapsed += step
             if interval - elapsed <= 1e-12:
                 break
+        if pump_series_lag > 0.0:
+            pilot_aim = target + (pilot_aim - target) * math.exp(-interval / pump_series_lag)
         if not (abs(motor_speed) < 1e4 and abs(pump_pressure) < 1e11):
             for i in range(k + 1, n):
                 for j in range(out.shape[1]):
@@ -417,4 +431,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
     state[6], state[7], state[8], state[9] = twist, reading, play, last_command
-    state[10], state[11] = slowdown, wide_play
+    state[10], state[11], state[12] = slowdown, wide_play, pilot_aim

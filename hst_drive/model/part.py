@@ -162,9 +162,19 @@ class PartModel:
         target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))
+        series = float(np.max(self.terms('pump_series_lag', known)))
+        if series > 0:
+            # What follows holds its input between samples: it gets the mean.
+            steps = np.diff(time, append=2 * time[-1] - time[-2])
+            target = target + (_follow(time, target, series) - target) * (
+                series / steps * -np.expm1(-steps / series))
         full = float(np.max(self.terms('pump_stroke_time', known)))
-        rate = pump.max_displacement / full if full > 0 else 1e30
-        return _follow(time, target, max(lag, 1e-6), rate)
+        if full <= 0:
+            return _follow(time, target, max(lag, 1e-6))
+        asymmetry = float(np.max(self.terms('pump_stroke_asymmetry', known)))
+        mean = pump.max_displacement / full
+        return _follow(time, target, max(lag, 1e-6), mean * (1 + asymmetry),
+                       mean * (1 - asymmetry))
 
     def pump_flow(self, known: Known) -> Any:
         """Return the oil that a pump of known stroke and speed delivers, m^3/s."""
@@ -257,7 +267,8 @@ def _play(command: np.ndarray, half: float, softness: float) -> np.ndarray:
     return behind
 
 
-def _follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float) -> np.ndarray:
+def _follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
+            back_rate: float = math.inf) -> np.ndarray:
     """Return a first-order lag of a target that is held between samples, its speed limited."""
     out, value = np.empty(len(time)), target[0]
     steps = np.append(np.diff(time), 0.0)
@@ -265,5 +276,5 @@ def _follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float) -> np
     for k, goal in enumerate(target):
         out[k] = value
         move = (goal - value) * (1 - decay[k])
-        value += min(max(move, -rate * steps[k]), rate * steps[k])
+        value += min(max(move, -back_rate * steps[k]), rate * steps[k]) if move else 0.0
     return out

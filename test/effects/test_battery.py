@@ -80,7 +80,7 @@ def test_declaration_says_all(effect):
     assert 1 <= sum(not entry.fixed for entry in effect.parameters) <= 3
     for entry in effect.parameters:
         assert entry.meaning and entry.low <= entry.neutral <= entry.high
-        assert entry.low < entry.typical < entry.high
+        assert entry.low < entry.typical < entry.high or entry.typical == entry.neutral
         assert entry.name in effect.equation or effect.slot.endswith('lag')
     assert effect.parameters[0].neutral == 0.0 != effect.parameters[0].typical
     used = {name for _, function in effect.terms for name in arguments(function)}

@@ -247,9 +247,21 @@ def test_actuator_effects():
     step = np.concatenate([np.full(10, 2.0), np.full(600, 10.0)])
     limited = displacement_after({'pump_rate_limit': {'full_stroke_time': 4.0}}, step)
     assert np.diff(limited).max() * 100 == pytest.approx(RIG.pump.max_displacement / 4.0)
+    there_and_back = np.concatenate([step, np.full(600, 2.0)])
+    limited = displacement_after({'pump_rate_limit': {
+        'full_stroke_time': 4.0, 'asymmetry': -0.25}}, there_and_back)
+    assert np.diff(limited).max() * 100 == pytest.approx(0.75 * RIG.pump.max_displacement / 4.0)
+    assert np.diff(limited).min() * 100 == pytest.approx(-1.25 * RIG.pump.max_displacement / 4.0)
     slow = displacement_after({'pump_lag': {'time_constant': 0.14}}, step)
     share = (slow - slow[9]) / (table(10.0) - slow[9])
     assert share[10 + 20] == pytest.approx(1 - math.exp(-0.2 / 0.2), rel=1e-3)   # after 0.06+0.14
+    after = np.arange(40) * 0.01
+    for part, rest, before in ((1.0, 0.06, 0.14), (0.5, 0.13, 0.07)):
+        slow = displacement_after({'pump_lag': {'time_constant': 0.14, 'series': part}}, step)
+        share = (slow - slow[9]) / (table(10.0) - slow[9])
+        assert share[10:50] == pytest.approx(1 - (
+            rest * np.exp(-after / rest) - before * np.exp(-after / before)) / (rest - before),
+            abs=1e-3)
 
 
 def test_filtered_speed():

@@ -25,9 +25,9 @@ _EQUAL = 0.06       # of the error: less does not tell one effect from another
 _CHANCE = 12.0      # of squared error in deviations: less may be chance
 _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
-_FAST = ('compliance', 'pump_lag', 'pump_stroke_time', 'pump_play', 'pump_play_softness',
-         'pump_play_spread', 'shaft_compliance', 'shaft_load_share', 'speed_reading_lag',
-         'motor_torque')
+_FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
+         'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
+         'shaft_compliance', 'shaft_load_share', 'speed_reading_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
 
 
