@@ -16,6 +16,8 @@ from typing import NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.measure.judged import judged
+from hst_drive.measure.oscillation import means_where, shaking
+from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -110,6 +112,7 @@ class Campaign:
         self._weights = [
             np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
+        self._shaking = [self._shakes(replay) for replay in self.replays]
         self.columns = self._layout()
 
     def _model(self):
@@ -121,6 +124,14 @@ class Campaign:
     @staticmethod
     def _usable(replay) -> np.ndarray:
         return judged(replay.run).samples
+
+    @staticmethod
+    def _shakes(replay) -> np.ndarray:
+        run = replay.run
+        name = next((key for key in ('motor_speed', 'motor_inlet_flow') if key in run), None)
+        if name is None or not np.isfinite(run[name]).any():
+            return np.zeros(len(run), dtype=bool)
+        return shaking(filled(run[name]), run.sample_time)
 
     def _floor(self, replay, usable: np.ndarray) -> dict[str, float]:
         return replay.floor(self.drive, count=usable)
@@ -226,7 +237,12 @@ class Campaign:
                 continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
-            errors.append(np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3))
+            error = np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3)
+            where = self._shaking[column.log]
+            if where.any() and np.isfinite(measured).any():
+                known = filled(np.where(np.isfinite(measured), error, np.nan))
+                error = means_where(known, where, self.replays[column.log].run.sample_time)
+            errors.append(error)
         return errors
 
     def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:

@@ -64,6 +64,11 @@ class PartCampaign(Campaign):
     def _usable(replay: PartReplay) -> np.ndarray:
         return np.ones(len(replay.run), dtype=bool)
 
+    @staticmethod
+    def _shakes(replay: PartReplay) -> np.ndarray:
+        # Parts follow what was measured of the others: nothing drifts out of step.
+        return np.zeros(len(replay.run), dtype=bool)
+
     def _floor(self, replay: PartReplay, usable: np.ndarray) -> dict[str, float]:
         return replay.floor(self.drive)
 

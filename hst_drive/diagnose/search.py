@@ -24,6 +24,8 @@ MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
 _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
+_PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
+_NEAR = 1.5         # of the best start's cost
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -77,11 +79,13 @@ class Search:
 
     def _fit(self, task: tuple[tuple[str, ...], Model]) -> Candidate:
         names, start = task
-        best = None
-        for model in self._starts(names, start):
-            found = fit(self.campaign, model, known=self.factors)
-            if best is None or found.cost < best.cost:
-                best = found
+        found = [fit(self.campaign, model, known=self.factors)
+                 for model in self._starts(names, start)]
+        best = min(found, key=lambda item: item.cost)
+        if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
+            # Where valleys are deep the first steps do not tell which is the deepest.
+            best = min((fit(self.campaign, item.model, iterations=3) for item in found
+                        if item.cost < _NEAR * best.cost), key=lambda item: item.cost)
         score = self.score(best)
         if any(_at_its_end(best.model, name) for name in names):
             # A shape at the end of its range stands for another effect.

@@ -24,6 +24,7 @@ class Slot(NamedTuple):
     meaning: str
 
 
+USUAL_DAMPING_TIME = 0.002  # s, material damping of a flexible shaft unless an effect moves it
 USUAL_SHARE = 0.35      # of the inertia lies behind a flexible shaft unless an effect moves it
 
 SLOTS: dict[str, Slot] = {
@@ -47,6 +48,8 @@ SLOTS: dict[str, Slot] = {
     'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
     'shaft_load_share': Slot('torque', '1', f'added to the share of the inertia ({USUAL_SHARE}) '
                              'that lies behind a flexible shaft'),
+    'shaft_damping_time': Slot('torque', 's', 'added to the damping of a flexible shaft over its '
+                               f'stiffness ({USUAL_DAMPING_TIME} s)'),
     'load_torque': Slot('load', 'N.m', 'load torque beyond what the loading unit explains'),
     'pressure_reading': Slot('sensor', 'Pa', 'added to the pressure reading'),
     'flow_reading': Slot('sensor', 'm^3/s', 'added to the flow reading'),

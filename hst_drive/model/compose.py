@@ -23,7 +23,7 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
-from hst_drive.effects.base import arguments, USUAL_SHARE
+from hst_drive.effects.base import arguments, USUAL_DAMPING_TIME, USUAL_SHARE
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -38,7 +38,7 @@ CONSTANTS = {
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
     'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen
     'SHAFT_STEP': 0.12,               # of the root of inertia times compliance
-    'SHAFT_DAMPING_TIME': 0.002,      # s, material damping of a flexible shaft
+    'SHAFT_DAMPING_TIME': USUAL_DAMPING_TIME,
     'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }
 OUTPUTS: tuple[str, ...] = (

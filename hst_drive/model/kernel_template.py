@@ -204,8 +204,12 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     shaft_compliance = 0.0
     # slot shaft_compliance
     if on[ON_SHAFT]:
-        shaft_torque = (twist + SHAFT_DAMPING_TIME * (motor_speed - load_speed)) / max(
-            shaft_compliance, SHAFT_RIGID / p[P_inertia])
+        shaft_damping_time = SHAFT_DAMPING_TIME
+        # slot shaft_damping_time
+        softness = max(shaft_compliance, SHAFT_RIGID / p[P_inertia])
+        # Beyond twice the root nothing oscillates any more, and more would be stiff.
+        shaft_damping_time = min(shaft_damping_time, 2.0 * math.sqrt(softness * p[P_inertia]))
+        shaft_torque = (twist + shaft_damping_time * (motor_speed - load_speed)) / softness
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
             shaft_compliance, speed_change, pump_speed_lag)

@@ -1,9 +1,13 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A small part of the benchmark of the diagnosis, and its arithmetic."""
-from bench.campaigns import SEEDS, Task, tasks
+from test.truth import make_campaign
+
+from bench.campaigns import as_runs, SEEDS, Task, tasks
 from bench.diagnosis import judge, told
 from bench.score import named, report, wilson
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.measure.oscillation import shaking
 import pytest
 
 pytestmark = pytest.mark.needs_numba
@@ -39,6 +43,15 @@ def test_a_clear_effect_is_named(rows, number):
 
 def test_a_pair_is_named(rows):
     assert set(rows[4]['effects']) <= named(rows[4])
+
+
+def test_stick_slip_is_named_though_its_phase_is_lost():
+    made = make_campaign(SEED + 7, {'stribeck_friction': {'size': 1.5, 'form': 'gauss'}})
+    rig, runs, held = as_runs(made)
+    assert max(shaking(run['motor_speed'], run.sample_time).mean() for run in runs) > 0.1
+    found = diagnose(rig, runs, held)
+    assert (found.verdict, [entry.id for entry in found.effects]) == (
+        'missing_effect', ['stribeck_friction'])
 
 
 def test_what_is_in_no_catalogue_is_unknown(rows):

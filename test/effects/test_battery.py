@@ -77,7 +77,7 @@ def test_declaration_says_all(effect):
     assert effect.telltale.endswith('.') and not effect.title.endswith('.')
     assert any(digit.isdigit() for digit in effect.source)
     assert effect.shows_in and set(effect.shows_in) <= set(CHANNELS)
-    assert 1 <= sum(not entry.fixed for entry in effect.parameters) <= 3
+    assert 1 <= sum(not entry.fixed for entry in effect.parameters) <= 4
     for entry in effect.parameters:
         assert entry.meaning and entry.low <= entry.neutral <= entry.high
         assert entry.low < entry.typical < entry.high or entry.typical == entry.neutral
