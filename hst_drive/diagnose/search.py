@@ -71,6 +71,9 @@ class Search:
         """Fit several sets of effects, each from its starting model, on all cores."""
         todo = [(tuple(sorted(names)), start) for names, start in sets
                 if tuple(sorted(names)) not in self._known]
+        # The long ones first, so that no core waits for them at the end.
+        todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
+                                        for name in task[0]))
         with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
             for done, found in enumerate(pool.map(self._fit, todo)):
                 self._known[found.names] = found
