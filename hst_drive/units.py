@@ -48,6 +48,7 @@ UNITS: dict[str, Unit] = {
     'gal/min': Unit('m^3/s', _GALLON / 60.0),
     'N.m': Unit('N.m', 1.0), 'kN.m': Unit('N.m', 1e3), 'lbf.ft': Unit('N.m', _LBF_FT),
     'klbf.ft': Unit('N.m', 1e3 * _LBF_FT), 'lbf.in': Unit('N.m', _LBF_FT / 12.0),
+    'kgf.m': Unit('N.m', 9.80665),
     'm^3/rad': Unit('m^3/rad', 1.0), 'cc/rev': Unit('m^3/rad', 1e-6 / _REV),
     'm^3/rev': Unit('m^3/rad', 1.0 / _REV), 'in^3/rev': Unit('m^3/rad', _INCH3 / _REV),
     'rad': Unit('rad', 1.0), 'deg': Unit('rad', _REV / 360.0), 'rev': Unit('rad', _REV),
@@ -85,7 +86,7 @@ _ALIASES = {
     'cm^3/rev': 'cc/rev', 'cc': 'cc/rev', 'ml/rev': 'cc/rev', 'm3/s': 'm^3/s', 'm3/h': 'm^3/h',
     'm3/rad': 'm^3/rad', 'm3/rev': 'm^3/rev', 'in3/rev': 'in^3/rev', 'psig': 'psi',
     'lbf*ft': 'lbf.ft', 'ft-lbf': 'lbf.ft', 'ft.lbf': 'lbf.ft', 'kft-lbf': 'klbf.ft',
-    'kft.lbf': 'klbf.ft', 'percent': '%', '-': '1', 'cm3/s': 'cm^3/s', 'rads': 'rad/s',
+    'kft.lbf': 'klbf.ft', 'kgm': 'kgf.m', 'kgf*m': 'kgf.m', 'percent': '%', '-': '1', 'cm3/s': 'cm^3/s', 'rads': 'rad/s',
     'rps': 'rev/s', 'feet': 'ft', 'meter': 'm', 'metre': 'm', 'barg': 'bar',
 }
 _FOLDED = {name.lower(): name for name in UNITS if name.lower() not in ('ms', 'mpa', 'mv')}

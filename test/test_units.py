@@ -14,6 +14,7 @@ import pytest
 # Spelling for pint where it differs from ours; None: no unit that pint could know.
 PINT = {
     'N.m': 'N*m', 'kN.m': 'kN*m', 'lbf.ft': 'lbf*ft', 'klbf.ft': 'klbf*ft', 'lbf.in': 'lbf*inch',
+    'kgf.m': 'kgf*m',
     'cc/rev': 'cm^3/revolution', 'm^3/rev': 'm^3/revolution', 'in^3/rev': 'inch^3/revolution',
     'rev': 'revolution', 'rev/s': 'revolution/s', 'Hz': 'revolution/s', 'klbf': 'klbf',
     'kg.m^2': 'kg*m^2', 'Pa.s/m^3': 'Pa*s/m^3', 'Pa.s^2/m^6': 'Pa*s^2/m^6',
