@@ -21,7 +21,7 @@ IN_SAMPLE = 0.3         # the same on data that was fitted, where held-out data 
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
 CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
-CLEAN_FITTED = 1.5      # the same on data that was fitted
+CLEAN_FITTED = 1.3      # the same on data that was fitted
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
 
 
