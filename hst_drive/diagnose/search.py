@@ -26,6 +26,7 @@ _SHORTLIST = 8
 _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
+_ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -175,9 +176,14 @@ class Search:
                 **unexplained(self.campaign, candidate.fit, self.done(candidate))}
 
     def refine(self, candidate: Candidate) -> Candidate:
-        """Fit a candidate with a Jacobian of its own."""
-        found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
-        refined = Candidate(candidate.names, found, self.score(found))
+        """Fit a candidate with a Jacobian of its own; go on while that explains more."""
+        refined = candidate
+        for _ in range(_ROUNDS):
+            before = refined.fit.cost
+            found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)
+            refined = Candidate(candidate.names, found, self.score(found))
+            if found.cost > 0.98 * before or not self.unexplained(refined):
+                break
         self._known[candidate.names] = refined
         return refined
 
@@ -229,7 +235,9 @@ class Search:
         while beam:
             top = self.refine(beam[0])
             if top.score >= best.score or not asked(best, top):
-                break
+                top = self._together(best, beam)
+                if top is None:
+                    break
             best = top
             if len(best.names) == MOST_EFFECTS:
                 break
@@ -241,6 +249,20 @@ class Search:
                 level, asked = self.extend(best, _HOPE), self.agreed
             beam = sorted(level, key=lambda item: item.score)[:_BEAM]
         return self.prune(best)
+
+    def _together(self, best: Candidate, beam: Sequence[Candidate]) -> Candidate | None:
+        """
+        Return a set with two effects more where one alone does not help; None if there is none.
+
+        What resonates with the other (ripple on a soft shaft) shows only beside it.
+        """
+        if len(beam[0].names) == MOST_EFFECTS or not self.unexplained(best):
+            return None
+        level = [entry for candidate in beam for entry in self.extend(candidate)]
+        if not level:
+            return None
+        top = self.refine(min(level, key=lambda item: item.score))
+        return top if top.score < best.score and self.worthwhile(best, top) else None
 
     def prune(self, best: Candidate) -> Candidate:
         """Take effects out again that are not needed beside the others."""
