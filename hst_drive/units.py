@@ -86,7 +86,8 @@ _ALIASES = {
     'cm^3/rev': 'cc/rev', 'cc': 'cc/rev', 'ml/rev': 'cc/rev', 'm3/s': 'm^3/s', 'm3/h': 'm^3/h',
     'm3/rad': 'm^3/rad', 'm3/rev': 'm^3/rev', 'in3/rev': 'in^3/rev', 'psig': 'psi',
     'lbf*ft': 'lbf.ft', 'ft-lbf': 'lbf.ft', 'ft.lbf': 'lbf.ft', 'kft-lbf': 'klbf.ft',
-    'kft.lbf': 'klbf.ft', 'kgm': 'kgf.m', 'kgf*m': 'kgf.m', 'percent': '%', '-': '1', 'cm3/s': 'cm^3/s', 'rads': 'rad/s',
+    'kft.lbf': 'klbf.ft', 'kgm': 'kgf.m', 'kgf*m': 'kgf.m',
+    'percent': '%', '-': '1', 'cm3/s': 'cm^3/s', 'rads': 'rad/s',
     'rps': 'rev/s', 'feet': 'ft', 'meter': 'm', 'metre': 'm', 'barg': 'bar',
 }
 _FOLDED = {name.lower(): name for name in UNITS if name.lower() not in ('ms', 'mpa', 'mv')}

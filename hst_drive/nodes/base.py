@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import gc
 import os
 import re
 import signal
@@ -202,6 +203,9 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
         if (signals or node.gather) and not node.stopped.done():
             node.stopped.set_result(None)
 
+    # What is there by now stays: going through it for garbage is the longest pause of all, 40 ms.
+    gc.collect()
+    gc.freeze()
     node.create_timer(_TURN, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
     while rclpy.ok() and node.exit_code is None and not signals:
         # Each time a new one, as a call leaves something hanging on it.
