@@ -90,11 +90,14 @@ class Search:
             # Where valleys are deep the first steps do not tell which is the deepest.
             best = min((fit(self.campaign, item.model, iterations=3) for item in found
                         if item.cost < _NEAR * best.cost), key=lambda item: item.cost)
-        score = self.score(best)
-        if any(_at_its_end(best.model, name) for name in names):
+        return self._candidate(names, best)
+
+    def _candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
+        score = self.score(found)
+        if any(_at_its_end(found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
-        return Candidate(names, best, score)
+        return Candidate(names, found, score)
 
     def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
         """
@@ -144,22 +147,24 @@ class Search:
         Held-out logs may not visit where an effect shows: then a large gain on the logs that were
         fitted counts, if nothing gets worse on the others.
         """
-        held_out = self.gain(before, after)
-        if worthwhile(held_out, self.done(before)):
-            return True
-        fitted = self.gain(before, after, False)
-        return unharmed(held_out) and worthwhile(
-            fitted, contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
+        return worthwhile(self.gain(before, after), self.done(before)) \
+            or self._on_fitted(before, after)
+
+    def _on_fitted(self, before: Candidate, after: Candidate) -> bool:
+        return unharmed(self.gain(before, after)) and worthwhile(
+            self.gain(before, after, False),
+            contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
         Say whether held-out and fitted logs both ask for what the second has more.
 
-        Asked where nothing is unexplained, so that chance and form have more to choose from.
+        Asked where nothing is unexplained, so that chance and form have more to choose from. A
+        large gain on the logs that were fitted will do, as it does for ``worthwhile``.
         """
         held_out, fitted = self.gain(before, after), self.gain(before, after, False)
         done = self.done(before)
-        return unharmed(held_out) and unharmed(fitted) and any(
+        return self._on_fitted(before, after) or unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
             and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
             and held_out.amount[name] >= (FORM_SHARE * done[name])**2
@@ -181,7 +186,7 @@ class Search:
         for _ in range(_ROUNDS):
             before = refined.fit.cost
             found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)
-            refined = Candidate(candidate.names, found, self.score(found))
+            refined = self._candidate(candidate.names, found)
             if found.cost > 0.98 * before or not self.unexplained(refined):
                 break
         self._known[candidate.names] = refined
