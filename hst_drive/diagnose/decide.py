@@ -17,7 +17,7 @@ from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.rivals import told_apart
-from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -205,8 +205,9 @@ def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     for rival in sorted(found, key=lambda item: item.score):
         entry = next(entry for entry in rival.names if entry not in others)
         uncertain = _ALIKE_FORM if entry in alike else _BEATEN_FORM
-        if rival.score - best.score <= _BEATEN_SCORE or not _beaten(
-                search, best, rival, without, uncertain):
+        if rival.score - best.score <= _BEATEN_SCORE or not (
+                at_its_end(rival.fit.model, entry)
+                or _beaten(search, best, rival, without, uncertain)):
             standing.append(entry)
     return tuple(standing)
 

@@ -94,7 +94,7 @@ class Search:
 
     def _candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         score = self.score(found)
-        if any(_at_its_end(found.model, name) for name in names):
+        if any(at_its_end(found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
@@ -283,13 +283,14 @@ class Search:
         return best
 
 
-def _lowest(name: str) -> float:
-    return catalogue()[name].parameters[0].low
-
-
-def _at_its_end(model: Model, name: str) -> bool:
+def at_its_end(model: Model, name: str) -> bool:
     """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
     shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
               if not entry.fixed and entry.neutral not in (entry.low, entry.high)]
     return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
-               for entry in shapes for value in [model.effects[name][entry.name]])
+               for entry in shapes
+               for value in [model.effects[name].get(entry.name, entry.neutral)])
+
+
+def _lowest(name: str) -> float:
+    return catalogue()[name].parameters[0].low

@@ -56,7 +56,7 @@ def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
     adopted = load_rig(target)
     drive, plain = Drive(adopted), Drive(default_rig())
     assert drive.effects == {'bearing_friction': {'coulomb': 13.0, 'load_share': 0.02},
-                             'pump_lag': {'time_constant': 0.081}}
+                             'pump_lag': {'time_constant': 0.081, 'series': 0.0}}
     for name, place in INDEX.items():
         factor = 1.05 if name == 'motor_leakage_scale' else 1.0
         assert drive.parameters[place] == pytest.approx(factor * plain.parameters[place]), name
