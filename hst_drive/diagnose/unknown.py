@@ -23,6 +23,7 @@ from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
 import numpy as np
 
+_AT_NOISE = 1.2     # of the score of a perfect model
 _READING = 'formula_pressure_reading'
 
 
@@ -66,8 +67,9 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
             campaign, PartCampaign) and only_read(campaign, model, place.moves):
         per_torque = -place.moves[place.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
-        if reading and reading.score < carried.score:
-            # The same error with the leakage unmoved: the reading is off, not the torque.
+        if reading and reading.score < min(carried.score, _AT_NOISE * _noise(campaign)):
+            # The same error with the leakage unmoved: the reading is off, not the torque. Then
+            # nothing else may be left: what moves with it is no error of a sensor.
             carried = reading
             place, terms = _reading(place, terms, per_torque)
     enters = place.enters
@@ -75,6 +77,12 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
         enters = 'pump_actuator'
     return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
                    explained, _worth(campaign, model, carried))
+
+
+def _noise(campaign: Campaign) -> float:
+    """Return the score that a perfect model would have."""
+    return sum((len(column.fit) + len(column.judge)) * campaign.thinning(column)**2
+               for column in campaign.columns)
 
 
 def sensor_that_drifts(channel: str) -> Unknown:
