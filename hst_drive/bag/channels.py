@@ -34,7 +34,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-import math
 import os
 from typing import Any, NamedTuple
 
@@ -137,7 +136,7 @@ def entry_of(name: str, value: Any, where: str, si: str) -> Entry:
     for key, default in (('scale', 1.0), ('offset', 0.0)):
         number = value.get(key, default)
         if isinstance(number, bool) or not isinstance(number, (int, float)) \
-                or not math.isfinite(number):
+                or not abs(number) < 1e300:     # nor nan, nor an integer beyond floats
             raise InputError(f'{where}.{key}: expected a number, found {number!r}')
         numbers.append(float(number))
     if numbers[0] == 0.0:

@@ -20,7 +20,7 @@ PIECES = 4              # always the same, so that the result does not hang on t
 LEAD = 20.0             # s
 _SAME = 1e-9            # of the state, or of its size in use
 _SIZE = np.array([1e-6, 1e5, 1.0, 1e5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0,
-                  1.0])
+                  1.0, 1e-6])
 
 
 def simulate_in_pieces(drive: Drive, time: np.ndarray, inputs: Mapping[str, np.ndarray],

@@ -118,6 +118,7 @@ def test_a_map_that_does_not_fit_the_csv(tmp_path):
     ({'channels': {'motor_speed': {'from': 'x', 'scale': 'two'}}}, 'scale: expected a number'),
     ({'channels': {'motor_speed': {'from': 'x', 'scale': 0}}}, 'wipe'),
     ({'channels': {'motor_speed': {'from': 'x', 'scale': float('nan')}}}, 'expected a number'),
+    ({'channels': {'motor_speed': {'from': 'x', 'offset': 10**400}}}, 'expected a number'),
     ({'channels': {'motor_speed': {'from': 'x', 'absolute': True}}}, 'only for pressures'),
     ({'namespace': 'a'}, 'begins with /'),
 ])
