@@ -63,7 +63,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--late', type=float, default=0.1,
                         help='%% of the readings that may come later (default: 0.1)')
     parser.add_argument('--growth', type=float, default=5.0,
-                        help='MB/h by which a process may grow (default: 5)')
+                        help='MB by which a process may grow in an hour of drilling (default: 5)')
     parser.add_argument('--first', action='store_true',
                         help='give the nodes real-time priority, as root: on a machine that '
                         'others use')
@@ -84,6 +84,10 @@ def main(arguments: list[str] | None = None) -> int:
         began = time.monotonic()
         memory = watch(process, args.first)
         wall = time.monotonic() - began
+        # By the hour of drilling: in simulated time a day passes within one by the clock.
+        pace = 1.0 if real else wall / seconds
+        memory = {name: entry._replace(slope=pace * entry.slope)
+                  for name, entry in memory.items()}
         out, err = process.communicate()
         if process.returncode:
             print(err.strip().splitlines()[-1])
