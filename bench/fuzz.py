@@ -44,6 +44,7 @@ import numpy as np
 import yaml
 
 PATIENCE = 10
+HEAD = f'{"reader":18}{"cases":>9}{"read":>9}{"refused":>9}{"slowest [s]":>13}'
 TOKENS = [b'nan', b'-inf', b'1e400', b'-', b'', b'\0', b',', b';', b'\t', b'\n', b'"', b"'",
           b'[V]', b'[', b']', b'{', b'}', b': ', b'- ', b'#', b'&a ', b'*a',
           b'!!python/object:os.system ',
@@ -257,6 +258,11 @@ def fuzz(cases: Cases, name: str, count: int, start: int = 0) -> tuple[Counter, 
     return seen, slowest[0]
 
 
+def row(name: str, seen: Counter, slowest: float) -> str:
+    """Return a line of the table under ``HEAD``."""
+    return f'{name:18}{seen["cases"]:9}{seen["read"]:9}{seen["refused"]:9}{slowest:13.2f}'
+
+
 def main() -> int:
     """Fuzz the readers and print a table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
@@ -269,7 +275,7 @@ def main() -> int:
     failed = []
     with TemporaryDirectory(prefix='fuzz_') as folder:
         cases = Cases(Path(folder))
-        print(f'{"reader":18}{"cases":>9}{"read":>9}{"refused":>9}{"slowest [s]":>13}')
+        print(HEAD)
         for name in arguments.reader or cases.readers:
             try:
                 seen, slowest = fuzz(cases, name, arguments.count, arguments.seed)
@@ -278,8 +284,7 @@ def main() -> int:
                 notes = '\n  '.join(getattr(problem, '__notes__', ()))
                 print(f'{name:18} FAILED {type(problem).__name__}: {problem}\n  {notes}')
                 continue
-            print(f'{name:18}{seen["cases"]:9}{seen["read"]:9}{seen["refused"]:9}{slowest:13.2f}',
-                  flush=True)
+            print(row(name, seen, slowest), flush=True)
     return 1 if failed else 0
 
 

@@ -22,7 +22,7 @@ import hst_drive.effects    # before the rest: these are compiled from their bar
 
 assert hst_drive.effects
 with atheris.instrument_imports(include=['hst_drive', 'mcap', 'yaml']):
-    from bench.fuzz import Cases, checker
+    from bench.fuzz import Cases, checker, HEAD, row
     from hst_drive.rig import default_rig
 
 
@@ -41,13 +41,13 @@ def main() -> None:
         corpus.mkdir()
         for number in range(50):    # Hypothesis needs some hundred bytes to draw a case from
             (corpus / str(number)).write_bytes(Random(number).randbytes(1024))
+        print(HEAD)
         calls = itertools.count(1)
 
         def one(data: bytes) -> None:
             run.hypothesis.fuzz_one_input(data)
             if next(calls) == arguments.count:      # libFuzzer's end runs nothing of Python's
-                print(f'{arguments.reader:18}{seen["cases"]:9}{seen["read"]:9}'
-                      f'{seen["refused"]:9}{slowest[0]:13.2f}', flush=True)
+                print(row(arguments.reader, seen, slowest[0]), flush=True)
 
         atheris.Setup([sys.argv[0], f'-runs={arguments.count}', f'-seed={arguments.seed}',
                        '-max_len=4096', '-len_control=0', str(corpus)], one)

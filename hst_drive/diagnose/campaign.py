@@ -15,9 +15,9 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
+from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
-from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -127,14 +127,10 @@ class Campaign:
 
     @staticmethod
     def _shakes(replay) -> np.ndarray:
-        run = replay.run
-        name = next((key for key in ('motor_speed', 'motor_inlet_flow') if key in run), None)
-        if name is None or not np.isfinite(run[name]).any():
-            return np.zeros(len(run), dtype=bool)
-        return shaking(filled(run[name]), run.sample_time)
+        return shaking(replay.run)
 
     def _floor(self, replay, usable: np.ndarray) -> dict[str, float]:
-        return replay.floor(self.drive, count=usable)
+        return replay_floor(replay, self.drive, count=usable)
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
@@ -150,7 +146,7 @@ class Campaign:
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
-        return typical(name)
+        return catalogue()[name].typical
 
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter of an effect is fitted rather than chosen."""
@@ -238,11 +234,8 @@ class Campaign:
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
             error = np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3)
-            where = self._shaking[column.log]
-            if where.any() and np.isfinite(measured).any():
-                known = filled(np.where(np.isfinite(measured), error, np.nan))
-                error = means_where(known, where, self.replays[column.log].run.sample_time)
-            errors.append(error)
+            errors.append(means_where(error, np.isfinite(measured), self._shaking[column.log],
+                                      self.replays[column.log].run.sample_time))
         return errors
 
     def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:
@@ -298,13 +291,3 @@ class Campaign:
             result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
         used = np.any([np.isfinite(values) for values in result.values()], axis=0)
         return {name: values[used] for name, values in result.items()}
-
-
-def neutral(name: str) -> dict[str, float]:
-    """Return the parameters of an effect that is switched off."""
-    return {parameter.name: parameter.neutral for parameter in catalogue()[name].parameters}
-
-
-def typical(name: str) -> dict[str, float]:
-    """Return parameters at which an effect matters."""
-    return {parameter.name: parameter.typical for parameter in catalogue()[name].parameters}

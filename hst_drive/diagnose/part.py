@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.diagnose.campaign import (
-    BLOCK, Campaign, EVENTS, Model, neutral, SETTLE)
+    BLOCK, Campaign, EVENTS, Model, SETTLE)
 from hst_drive.effects import catalogue
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.part import PartReplay
@@ -99,7 +99,7 @@ class PartCampaign(Campaign):
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters to start from; one that moves nothing here stays neutral."""
         values = super().typical(name)
-        off = neutral(name)
+        off = catalogue()[name].neutral
         for key in list(values)[1:]:
             without = {**values, key: off[key] if off[key] != values[key]
                        else 0.5 * values[key] + 1e-3}

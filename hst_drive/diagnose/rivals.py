@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import math
 from typing import Iterable, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign, Model, neutral, typical
+from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.rehearse import rehearse
 from hst_drive.diagnose.result import require_schema
@@ -141,7 +141,7 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
     others are fitted to.
     """
     lead = next((model for model in rivals.models if model is not None), None) or Model(
-        {name: typical(name) for name in rivals.names[0]})
+        {name: catalogue()[name].typical for name in rivals.names[0]})
     lead = Model(lead.effects, within_limits(lead.factors, rig.tolerances))
     campaign, models = None, []
     for names, model in zip(rivals.names, rivals.models):
@@ -149,11 +149,11 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
             model = lead
         if model is None:
             campaign = campaign or _drilling(rig, lead, rivals.channels)
-            start = Model({name: lead.effects.get(name, typical(name)) for name in names},
-                          lead.factors)
+            start = Model({name: lead.effects.get(name, catalogue()[name].typical)
+                           for name in names}, lead.factors)
             effects = fit(campaign, start, iterations=3).model.effects
             # One that could not take the other's place at all keeps its typical size.
-            model = Model({name: values if _matters(name, values) else typical(name)
+            model = Model({name: values if _matters(name, values) else catalogue()[name].typical
                            for name, values in effects.items()})
         models.append(Model(model.effects, lead.factors))
     return models
@@ -173,7 +173,7 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     if room <= 0 or len(models[0].effects) != len(shared) + 1:
         return models
     kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
-    others = [Model({**kept, name: typical(name)}, models[0].factors)
+    others = [Model({**kept, name: catalogue()[name].typical}, models[0].factors)
               for name in catalogue() if name not in tried and name not in rig.effects]
     play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
     rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
@@ -192,6 +192,6 @@ def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
 
 
 def _matters(name: str, values: dict[str, float]) -> bool:
-    usual, none = typical(name), neutral(name)
+    usual, none = catalogue()[name].typical, catalogue()[name].neutral
     return any(abs(value - none[key]) > 2 * SHARE * abs(usual[key] - none[key])
                for key, value in values.items() if usual[key] != none[key])

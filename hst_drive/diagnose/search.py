@@ -115,7 +115,7 @@ class Search:
         for share in (1.0, 0.3, -0.3):
             scaled = {key: value * share if place == 0 else value
                       for place, (key, value) in enumerate(values.items())}
-            if share < 0 and _lowest(name) >= 0:
+            if share < 0 and catalogue()[name].parameters[0].low >= 0:
                 continue
             trials.append(start.with_effect(name, scaled))
         alone = self._known.get((name,))
@@ -147,13 +147,13 @@ class Search:
         Held-out logs may not visit where an effect shows: then a large gain on the logs that were
         fitted counts, if nothing gets worse on the others.
         """
-        return worthwhile(self.gain(before, after), self.done(before)) \
-            or self._on_fitted(before, after)
+        held_out = self.gain(before, after)
+        return worthwhile(held_out, self.done(before)) or self._on_fitted(
+            before, held_out, self.gain(before, after, False))
 
-    def _on_fitted(self, before: Candidate, after: Candidate) -> bool:
-        return unharmed(self.gain(before, after)) and worthwhile(
-            self.gain(before, after, False),
-            contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
+    def _on_fitted(self, before: Candidate, held_out: Gain, fitted: Gain) -> bool:
+        return unharmed(held_out) and worthwhile(
+            fitted, contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -164,7 +164,9 @@ class Search:
         """
         held_out, fitted = self.gain(before, after), self.gain(before, after, False)
         done = self.done(before)
-        return self._on_fitted(before, after) or unharmed(held_out) and unharmed(fitted) and any(
+        if self._on_fitted(before, held_out, fitted):
+            return True
+        return unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
             and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
             and held_out.amount[name] >= (FORM_SHARE * done[name])**2
@@ -234,6 +236,10 @@ class Search:
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
 
+    def _extend_all(self, beam: Sequence[Candidate]) -> list[Candidate]:
+        return sorted((entry for candidate in beam for entry in self.extend(candidate)),
+                      key=lambda item: item.score)
+
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
         best, beam, asked = self.baseline, self.singles()[:_BEAM], self.worthwhile
@@ -247,12 +253,11 @@ class Search:
             if len(best.names) == MOST_EFFECTS:
                 break
             if self.unexplained(best):
-                level = [entry for candidate in beam for entry in self.extend(candidate)]
-                asked = self.worthwhile
+                level, asked = self._extend_all(beam), self.worthwhile
             else:
                 # Short events may ask for one more effect though the whole is near the noise.
                 level, asked = self.extend(best, _HOPE), self.agreed
-            beam = sorted(level, key=lambda item: item.score)[:_BEAM]
+            beam = level[:_BEAM]
         return self.prune(best)
 
     def _together(self, best: Candidate, beam: Sequence[Candidate]) -> Candidate | None:
@@ -263,10 +268,10 @@ class Search:
         """
         if len(beam[0].names) == MOST_EFFECTS or not self.unexplained(best):
             return None
-        level = [entry for candidate in beam for entry in self.extend(candidate)]
+        level = self._extend_all(beam)
         if not level:
             return None
-        top = self.refine(min(level, key=lambda item: item.score))
+        top = self.refine(level[0])
         return top if top.score < best.score and self.worthwhile(best, top) else None
 
     def prune(self, best: Candidate) -> Candidate:
@@ -290,7 +295,3 @@ def at_its_end(model: Model, name: str) -> bool:
     return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
                for entry in shapes
                for value in [model.effects[name].get(entry.name, entry.neutral)])
-
-
-def _lowest(name: str) -> float:
-    return catalogue()[name].parameters[0].low

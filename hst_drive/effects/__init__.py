@@ -79,9 +79,8 @@ def _refuse_unusable(effect: object, known: dict[str, Effect]) -> None:
         raise ValueError(f"there is an effect '{effect.id}' already")
     if any(slot == 'shaft_compliance' for slot, _ in effect.terms):
         raise ValueError("the drive has one flexible shaft: slot 'shaft_compliance' is taken")
-    typical = {parameter.name: parameter.typical for parameter in effect.parameters}
     for slot, function in effect.terms:
-        value = function(*(typical.get(name, 1.0) for name in arguments(function)))
+        value = function(*(effect.typical.get(name, 1.0) for name in arguments(function)))
         if not math.isfinite(value):
             raise ValueError(f"its term at the slot '{slot}' is {value} where all that it reads "
                              'is 1')

@@ -211,6 +211,16 @@ class Effect:
         """All slots that the effect enters, each with its function."""
         return ((self.slot, self.function), *self.also)
 
+    @property
+    def typical(self) -> dict[str, float]:
+        """Parameters, SI, at which the effect matters."""
+        return {entry.name: entry.typical for entry in self.parameters}
+
+    @property
+    def neutral(self) -> dict[str, float]:
+        """Parameters, SI, of the effect when it is switched off."""
+        return {entry.name: entry.neutral for entry in self.parameters}
+
     def parameter(self, name: str) -> Parameter:
         """Return the parameter of this name, which there must be."""
         return next(entry for entry in self.parameters if entry.name == name)

@@ -11,6 +11,7 @@ from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.errors import ErrorSummary, summarise
+from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.noise import noise_std
@@ -214,8 +215,8 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
 
 def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
     replay = KeptReplay(run, drive)
-    floor = replay.floor(drive, count=count.samples)
-    return _Aligned(replay, shift, dict(replay.predict(drive).signals), floor)
+    return _Aligned(replay, shift, dict(replay.predict(drive).signals),
+                    replay_floor(replay, drive, count=count.samples))
 
 
 def _common(delays: dict[str, float]) -> float:

@@ -66,11 +66,11 @@ class KeptReplay(Replay):
             self._load = self._key(drive), self._speed, load
         return load
 
-    def _powers_of_roughness(self, drive: Drive, seed: int,
-                             count: np.ndarray | None) -> Iterator[dict[str, float]]:
+    def shaken(self, drive: Drive, seed: int,
+               count: np.ndarray | None) -> Iterator[dict[str, float]]:
         time = self.run.time
         if time[-1] - time[0] <= LONG or drive.has_flexible_shaft:
-            yield from super()._powers_of_roughness(drive, seed, count)
+            yield from super().shaken(drive, seed, count)
             return
         disturbance = self.disturbance(drive)
         added = disturbance + self._smoother.draw_error(np.random.default_rng(seed))

@@ -8,6 +8,8 @@ seconds, so that only means over some periods can be compared there.
 """
 from __future__ import annotations
 
+from hst_drive.measure.readings import filled
+from hst_drive.measure.run import Run
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, label, uniform_filter1d
 
@@ -17,22 +19,21 @@ _LEAST = 2.0        # s; after a step a drive rings for less
 _SHARE = 0.2        # of the mean speed, rms: ripple of pistons stays well below
 
 
-def shaking(speed: np.ndarray, sample_time: float) -> np.ndarray:
+def shaking(run: Run) -> np.ndarray:
     """
-    Say where a speed swings on and on.
+    Say where the hydromotor's speed, or its flow, swings on and on.
 
-    Parameters
-    ----------
-    speed : ndarray, shape (n,)
-        Of the hydromotor, or anything in proportion to it; finite.
-    sample_time : float
-        s.
+    Nowhere where neither was recorded.
 
     Returns
     -------
     ndarray of bool, shape (n,)
 
     """
+    name = next((key for key in ('motor_speed', 'motor_inlet_flow') if key in run), None)
+    if name is None or not np.isfinite(run[name]).any():
+        return np.zeros(len(run), dtype=bool)
+    speed, sample_time = filled(run[name]), run.sample_time
     slow = gaussian_filter1d(speed, _SMOOTH / sample_time)
     power = uniform_filter1d((speed - slow)**2, max(int(_WINDOW / sample_time), 1))
     parts, count = label(np.sqrt(np.maximum(power, 0.0)) > _SHARE * np.abs(slow) + 1e-9)
@@ -41,6 +42,22 @@ def shaking(speed: np.ndarray, sample_time: float) -> np.ndarray:
     return lengths[parts] >= _LEAST
 
 
-def means_where(errors: np.ndarray, where: np.ndarray, sample_time: float) -> np.ndarray:
-    """Return errors with their running means where a drive shakes."""
+def means_where(errors: np.ndarray, known: np.ndarray, where: np.ndarray,
+                sample_time: float) -> np.ndarray:
+    """
+    Return errors with their running means where a drive shakes.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (n,)
+        Model minus measurement.
+    known, where : ndarray of bool, shape (n,)
+        Where there is a measurement, and where the drive shakes.
+    sample_time : float
+        s.
+
+    """
+    if not (where.any() and known.any()):
+        return errors
+    errors = filled(np.where(known, errors, np.nan))
     return np.where(where, gaussian_filter1d(errors, _SMOOTH / sample_time), errors)

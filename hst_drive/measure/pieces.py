@@ -19,8 +19,8 @@ import numpy as np
 PIECES = 4              # always the same, so that the result does not hang on the machine
 LEAD = 20.0             # s
 _SAME = 1e-9            # of the state, or of its size in use
-_SIZE = np.array([1e-6, 1e5, 1.0, 1e5, 1.0, 1.0, 1e-3, 1.0, 1.0, 1.0, 1.0,
-                  1.0, 1e-6])
+_SIZE = np.array([{'displacement': 1e-6, 'pilot_aim': 1e-6, 'pump_pressure': 1e5,
+                   'pprv_pressure': 1e5, 'twist': 1e-3}.get(name, 1.0) for name in STATES])
 
 
 def simulate_in_pieces(drive: Drive, time: np.ndarray, inputs: Mapping[str, np.ndarray],

@@ -6,7 +6,7 @@ Replay of a recording: the measured inputs through the model.
 The load is the model's, from the recorded PPRV command, plus what the torque sensor reads beyond
 it, smoothed: feeding the raw torque would take away the damping that the PPRV's override gives
 and let the sensor's noise ring the lightly damped hydraulic resonance. So even a perfect model
-does not reach the sensor noise; ``Replay.floor`` is what it would reach.
+does not reach the sensor noise; ``replay_floor`` is what it would reach.
 """
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow', 'case_drain_flow',
     'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement', 'pump_speed')
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
-_DRAWS = 3
-_EVENT = 2.0    # s
+DRAWS = 3
 _STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
@@ -62,6 +61,8 @@ class Replay:
         White noise of each signal, SI, estimated from the record.
     roughness : Coloured
         Coloured part of the unexplained load torque, N.m.
+    steps : dict of str to Steps
+        Commands as the controller gave them, as far as the rows tell, V.
 
     Raises
     ------
@@ -84,9 +85,9 @@ class Replay:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
                              f'{", ".join(SIGNALS)}')
         time = run.time
-        self._steps = controller_steps(time, {name: filled(run[name], hold=True)
-                                              for name in INPUTS})
-        self.inputs = {name: steps.values for name, steps in self._steps.items()}
+        self.steps = controller_steps(time, {name: filled(run[name], hold=True)
+                                             for name in INPUTS})
+        self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
             turned = np.diff(time) * filled(run['motor_speed'])[:-1]
             self.inputs['motor_angle'] = np.concatenate([[0.0], np.cumsum(turned)])
@@ -137,7 +138,7 @@ class Replay:
             else:
                 # The load hardly depends on speed: two rounds with the model's own will do.
                 for _ in range(2):
-                    self._speed = self._modelled_speed(drive)
+                    self._speed = self._simulate(drive, self.disturbance(drive))['motor_speed']
                     self._correct(drive)
         self._refine_noise(drive)
 
@@ -196,9 +197,6 @@ class Replay:
         pressure = np.maximum(self._measured, 0.0) / motor.displacement
         return (flow - motor.leakage(pressure, np.abs(flow) / motor.displacement)
                 ) / motor.displacement
-
-    def _modelled_speed(self, drive: Drive) -> np.ndarray:
-        return self._simulate(drive, self.disturbance(drive))['motor_speed']
 
     def _refine_noise(self, drive: Drive) -> None:
         """
@@ -290,58 +288,13 @@ class Replay:
         return Prediction({name: self.readings.as_read(name, signals[name])
                            for name in self.signals}, disturbance)
 
-    def floor(self, drive: Drive, seed: int = 0,
-              count: np.ndarray | None = None) -> dict[str, float]:
-        """
-        Return the rmse, by signal, that a perfect model would still show.
-
-        Sensor noise, and what the part of the load torque that the smoothing misses, and commands
-        that no row shows, do to the replay: draws of them are replayed. Where no torque is
-        measured the roughness of the load is not known; then what varies faster than about a
-        second and is coloured counts as its work. ``count`` says which samples are judged, all
-        unless given.
-
-        """
-        floor = {name: self.noise[name]**2 for name in self.signals}
-        if not self.can_correct:
-            given = self.predict(drive).signals
-            for name in self.signals:
-                rest = filled(self.run[name] - given[name])
-                floor[name] += estimate_coloured(self.run.time, rest - self.readings.slow(rest),
-                                                 self.noise[name]).std**2
-        if self.can_correct and self.roughness.std > 0:
-            for power in self._powers_of_roughness(drive, seed, count):
-                for name, value in power.items():
-                    floor[name] += value
-            floor[self.torque] += self.roughness.std**2
-        if any(steps.guessed for steps in self._steps.values()):
-            for name, power in self._power_of_guesses(drive, seed).items():
-                floor[name] += power
-        return {name: float(np.sqrt(value)) for name, value in floor.items()}
-
-    def _powers_of_roughness(self, drive: Drive, seed: int,
-                             count: np.ndarray | None) -> Iterator[dict[str, float]]:
-        """Yield what draws of the load that the smoothing misses add to the floor's square."""
+    def shaken(self, drive: Drive, seed: int,
+               count: np.ndarray | None) -> Iterator[dict[str, float]]:
+        """Yield squared errors, by signal, from draws of the load that smoothing misses."""
         base = self.predict(drive).signals
         random = np.random.default_rng(seed)
-        for _ in range(_DRAWS):
+        for _ in range(DRAWS):
             moved = self.predict(drive, self._smoother.draw_error(random)).signals
             part = slice(None) if count is None else count
-            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / _DRAWS
+            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / DRAWS
                    for name in self.signals if name != self.torque}
-
-    def _power_of_guesses(self, drive: Drive, seed: int) -> dict[str, float]:
-        """Return the squared error, by signal, that commands make which no row shows."""
-        base = self.predict(drive).signals
-        random = np.random.default_rng(seed)
-        block = ((self.run.time - self.run.time[0]) / _EVENT).astype(int)
-        count = np.bincount(block)
-        power = dict.fromkeys(base, 0.0)
-        for _ in range(_DRAWS):
-            moved = self.predict(drive, commands={
-                name: steps.draw(random) for name, steps in self._steps.items()}).signals
-            for name in base:
-                shift = np.nan_to_num(moved[name] - base[name])
-                # One large step that no row shows is an event, not a floor for the whole log.
-                power[name] += float(np.median(np.bincount(block, shift**2) / count)) / _DRAWS
-        return power

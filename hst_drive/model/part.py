@@ -165,7 +165,7 @@ class PartModel:
         series = float(np.max(self.terms('pump_series_lag', known)))
         if series > 0:
             # What follows holds its input between samples: it gets the mean.
-            steps = np.diff(time, append=2 * time[-1] - time[-2])
+            steps = np.diff(time, append=np.inf)
             target = target + (_follow(time, target, series) - target) * (
                 series / steps * -np.expm1(-steps / series))
         full = float(np.max(self.terms('pump_stroke_time', known)))

@@ -48,7 +48,7 @@ def test_a_pair_is_named(rows):
 def test_stick_slip_is_named_though_its_phase_is_lost():
     made = make_campaign(SEED + 7, {'stribeck_friction': {'size': 1.5, 'form': 'gauss'}})
     rig, runs, held = as_runs(made)
-    assert max(shaking(run['motor_speed'], run.sample_time).mean() for run in runs) > 0.1
+    assert max(shaking(run).mean() for run in runs) > 0.1
     found = diagnose(rig, runs, held)
     assert (found.verdict, [entry.id for entry in found.effects]) == (
         'missing_effect', ['stribeck_friction'])

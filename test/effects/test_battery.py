@@ -44,11 +44,6 @@ def unit(text):
     return PINT.Unit('' if text == '1' else text.replace('.', '*'))
 
 
-def neutral(effect):
-    """Return the parameters that switch an effect off."""
-    return {parameter.name: parameter.neutral for parameter in effect.parameters}
-
-
 def evaluate(function, parameters, reads):
     """Call a term with what it asks for."""
     return function(*(parameters.get(name, reads.get(name)) for name in arguments(function)))
@@ -107,7 +102,7 @@ def test_neutral_is_nothing(effect, slot, function):
     @settings(max_examples=40, deadline=None)
     @given(reads=readings, others=sizes(effect))
     def check(reads, others):
-        assert evaluate(function, neutral(effect), reads) == 0.0
+        assert evaluate(function, effect.neutral, reads) == 0.0
         if effect.id not in ('bearing_friction', 'line_loss', 'piston_ripple'):
             size = effect.parameters[0]
             assert evaluate(function, {**others, size.name: size.neutral}, reads) == 0.0
@@ -172,7 +167,7 @@ def test_smooth_in_its_parameters(effect, slot, function):
     """A tenfold smaller step of a parameter moves the term about a tenth: it can be fitted."""
     reads = {name: 0.6 * high + 0.4 * low for name, (low, high) in RANGES.items()}
     reads.update(motor_speed=3.0, relief_pressure=2e7, pump_pressure=1.2e7, pressure=1.2e7)
-    typical = {entry.name: entry.typical for entry in effect.parameters}
+    typical = effect.typical
     here = evaluate(function, typical, reads)
     for entry in effect.parameters:
         step = 1e-3 * (entry.high - entry.low)

@@ -60,7 +60,7 @@ def test_typical_size_shows(name):
 def test_switched_on_at_neutral_changes_nothing(name):
     """An effect that is on at its neutral parameters leaves the baseline to the last digit."""
     time, inputs = excited(100)
-    off = {entry.name: entry.neutral for entry in catalogue()[name].parameters}
+    off = catalogue()[name].neutral
     with_it, without = (Drive(RIG, effects).simulate(time, inputs)
                         for effects in ({name: off}, {}))
     for channel in READINGS:

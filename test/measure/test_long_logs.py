@@ -4,6 +4,7 @@
 from hst_drive.measure import kept_replay
 from hst_drive.measure.compare import compare
 from hst_drive.measure.errors import summarise
+from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.moments import Moments
 from hst_drive.measure.pieces import LEAD, PIECES, simulate_in_pieces
@@ -52,7 +53,7 @@ def test_pieces_are_the_whole(effects):
 def test_what_is_kept_is_what_would_be_computed():
     run, drive = record(4, duration=20.0), Drive(RIG)
     plain, kept = Replay(run, drive), KeptReplay(run, drive)
-    assert plain.floor(drive) == kept.floor(drive)
+    assert replay_floor(plain, drive) == replay_floor(kept, drive)
     for other in (drive, Drive(RIG, {'motor_leakage': {}}), drive):
         one, two = plain.predict(other).signals, kept.predict(other).signals
         assert all(np.array_equal(one[name], two[name]) for name in one)
@@ -61,10 +62,10 @@ def test_what_is_kept_is_what_would_be_computed():
 @pytest.mark.needs_numba
 def test_the_floor_of_stretches_is_that_of_the_whole(monkeypatch):
     run, drive = record(4, duration=200.0), Drive(RIG)
-    whole = Replay(run, drive).floor(drive)
+    whole = replay_floor(Replay(run, drive), drive)
     monkeypatch.setattr(kept_replay, 'LONG', 100.0)
     monkeypatch.setattr(kept_replay, '_STRETCH', 10.0)
-    assert KeptReplay(run, drive).floor(drive) == pytest.approx(whole, rel=0.05)
+    assert replay_floor(KeptReplay(run, drive), drive) == pytest.approx(whole, rel=0.05)
 
 
 @pytest.mark.needs_numba

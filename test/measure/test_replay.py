@@ -3,6 +3,7 @@
 """Replay: a perfect model reaches its floor, whatever was recorded and however fast."""
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
+from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -56,7 +57,7 @@ def test_without_torque_the_record_shows_the_roughness():
         replay = Replay(run, drive)
         assert not replay.can_correct
         assert not replay.disturbance(drive).any()
-        floors.append(replay.floor(drive)['motor_speed'] / replay.noise['motor_speed'])
+        floors.append(replay_floor(replay, drive)['motor_speed'] / replay.noise['motor_speed'])
         # Nothing is missing in the model: what is left must not look like it.
         assert 0.7 < compare(drive, [run]).signals['motor_speed'].noise_ratio < 1.3
     assert floors[0] < 1.2 < 1.5 < floors[1]
@@ -65,7 +66,7 @@ def test_without_torque_the_record_shows_the_roughness():
 @pytest.mark.needs_numba
 def test_floor_responds_to_the_torque_sensor():
     drive = Drive(RIG)
-    floors = [Replay(run, drive).floor(drive) for run in (
+    floors = [replay_floor(Replay(run, drive), drive) for run in (
         record(20, noise=noise) for noise in (0.3, 1.0, 4.0))]
     for name in ('pump_outlet_pressure', 'motor_speed', 'load_torque'):
         quiet, usual, loud = (floor[name] for floor in floors)

@@ -107,7 +107,7 @@ class Signatures:
 def _alone(effect: Effect, parameter: Parameter) -> bool:
     """Say whether an effect acts with this parameter alone, all others neutral."""
     known = dict.fromkeys(READABLE, 1.0)
-    size = {entry.name: entry.neutral for entry in effect.parameters}
+    size = effect.neutral
     size[parameter.name] = parameter.typical
     return any(evaluate(function, {**known, **size}) != 0.0 for _, function in effect.terms)
 

@@ -1,0 +1,70 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The error that a perfect model would still show in a replay of the whole drive."""
+from __future__ import annotations
+
+from hst_drive.measure.noise import estimate_coloured
+from hst_drive.measure.readings import filled
+from hst_drive.measure.replay import DRAWS, Replay
+from hst_drive.model import Drive
+import numpy as np
+
+_EVENT = 2.0    # s
+
+
+def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
+                 count: np.ndarray | None = None) -> dict[str, float]:
+    """
+    Return the rmse, by signal, that a perfect model would still show.
+
+    Sensor noise, and what the part of the load torque that the smoothing misses, and commands
+    that no row shows, do to the replay: draws of them are replayed. Where no torque is
+    measured the roughness of the load is not known; then what varies faster than about a
+    second and is coloured counts as its work.
+
+    Parameters
+    ----------
+    replay : Replay
+        The recording.
+    drive : Drive
+        The model.
+    seed : int, optional
+        Of the draws.
+    count : ndarray of bool, shape (n,), optional
+        Which samples are judged, all unless given.
+
+    """
+    power = {name: replay.noise[name]**2 for name in replay.signals}
+    if not replay.can_correct:
+        given = replay.predict(drive).signals
+        for name in replay.signals:
+            rest = filled(replay.run[name] - given[name])
+            rest = rest - replay.readings.slow(rest)
+            power[name] += estimate_coloured(replay.run.time, rest, replay.noise[name]).std**2
+    elif replay.roughness.std > 0:
+        for shaken in replay.shaken(drive, seed, count):
+            for name, value in shaken.items():
+                power[name] += value
+        power[replay.torque] += replay.roughness.std**2
+    if any(steps.guessed for steps in replay.steps.values()):
+        for name, value in _of_guesses(replay, drive, seed).items():
+            power[name] += value
+    return {name: float(np.sqrt(value)) for name, value in power.items()}
+
+
+def _of_guesses(replay: Replay, drive: Drive, seed: int) -> dict[str, float]:
+    """Return the squared error, by signal, that commands make which no row shows."""
+    base = replay.predict(drive).signals
+    random = np.random.default_rng(seed)
+    time = replay.run.time
+    block = ((time - time[0]) / _EVENT).astype(int)
+    count = np.bincount(block)
+    power = dict.fromkeys(base, 0.0)
+    for _ in range(DRAWS):
+        moved = replay.predict(drive, commands={
+            name: steps.draw(random) for name, steps in replay.steps.items()}).signals
+        for name in base:
+            shift = np.nan_to_num(moved[name] - base[name])
+            # One large step that no row shows is an event, not a floor for the whole log.
+            power[name] += float(np.median(np.bincount(block, shift**2) / count)) / DRAWS
+    return power
