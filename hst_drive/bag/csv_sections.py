@@ -74,6 +74,8 @@ def csv_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
                                      str(path), ()), start, end)
         if last:
             return
+        if rows.stop == rows.start:     # nothing for long: go to where it continues
+            end = max(end, start + seconds * ((float(time[rows.stop]) - start) // seconds))
         start = end
         keep = int(np.searchsorted(time, start - before))
         time = time[keep:].copy()

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.kinds import is_mcap
-from hst_drive.bag.mcap_bag import salvage_streams, Stream
+from hst_drive.bag.mcap_bag import salvage_streams
+from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.writer import BagWriter
 from hst_drive.errors import InputError
 import yaml

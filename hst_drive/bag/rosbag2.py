@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
+import os
 from pathlib import Path
 import sqlite3
 from tempfile import TemporaryDirectory
@@ -12,12 +13,15 @@ from typing import Any
 
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.kinds import is_mcap
-from hst_drive.bag.mcap_bag import cut_error, is_finished, read_streams, Stream
+from hst_drive.bag.mcap_bag import (
+    BLOCK, cut_error, is_finished, longest_topic, read_streams)
+from hst_drive.bag.mcap_records import Stream
 from hst_drive.errors import InputError
 import yaml
 import zstandard
 
 _TOP = 'rosbag2_bagfile_information'
+_ROW = 1000     # bytes of all topics for one message of the longest
 
 
 def bag_files(path: Path, notes: list[str]) -> list[Path]:
@@ -44,10 +48,13 @@ def bag_files(path: Path, notes: list[str]) -> list[Path]:
                      'in it); give a rosbag2 folder, an .mcap file or a CSV file')
 
 
-def read_bag_streams(path: Path, wanted: Callable[[str], bool],
-                     notes: list[str]) -> list[Stream]:
+def bag_blocks(path: Path, wanted: Callable[[str], bool],
+               notes: list[str]) -> Iterator[list[Stream]]:
     """
-    Read the messages of the wanted topics of a bag, those of split bags joined.
+    Yield the messages of the wanted topics of a bag, block by block.
+
+    All topics known so far come each time, those of split bags joined, with the messages of this
+    block.
 
     Raises
     ------
@@ -59,22 +66,35 @@ def read_bag_streams(path: Path, wanted: Callable[[str], bool],
     packed = _compressed_messages(path)
     for file in bag_files(path, notes):
         with _unpacked(file) as plain:
-            try:
-                streams = _read_file(plain, wanted, path)
-            except InputError as error:
-                raise InputError(str(error).replace(str(plain), str(file))) from None
-        if packed:
-            _unpack_messages(streams, path)
-        for stream in streams:
-            known = joined.setdefault((stream.topic, stream.type), stream)
-            if known is not stream:
-                known.data += stream.data
-                known.log_time += stream.log_time
-                known.publish_time += stream.publish_time
-    return list(joined.values())
+            blocks = _read_file(plain, wanted, path)
+            while True:
+                try:
+                    streams = next(blocks, None)
+                except InputError as error:
+                    raise InputError(str(error).replace(str(plain), str(file))) from None
+                if streams is None:
+                    break
+                if packed:
+                    _unpack_messages(streams, path)
+                joined = {key: stream.emptied() for key, stream in joined.items()}
+                for stream in streams:
+                    joined.setdefault((stream.topic, stream.type),
+                                      stream.emptied()).extend(stream)
+                yield list(joined.values())
 
 
-def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> list[Stream]:
+def most_messages(path: str | os.PathLike[str]) -> int:
+    """Return how many messages the longest topic of a bag has, as far as its index tells."""
+    total = 0
+    for file in bag_files(Path(path), []):
+        if is_mcap(file) and is_finished(file):
+            total += longest_topic(file)
+        elif file.suffix == '.db3':
+            total += file.stat().st_size // _ROW
+    return total
+
+
+def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> Iterator[list[Stream]]:
     if file.suffix == '.db3':
         return _read_sqlite(file, wanted)
     if is_mcap(file) and not is_finished(file):
@@ -151,37 +171,40 @@ def _compressed_messages(path: Path) -> bool:
     return str(information.get('compression_mode') or '').lower() == 'message'
 
 
-def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> list[Stream]:
+def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> Iterator[list[Stream]]:
     try:
         with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as base:
-            return _query(base, wanted)
+            yield from _query(base, wanted)
     except (sqlite3.Error, MemoryError, OverflowError, TypeError, UnicodeDecodeError) as error:
         raise InputError(f'{path}: damaged or no sqlite3 bag ({error})') from None
 
 
-def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> list[Stream]:
+def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> Iterator[list[Stream]]:
     tables = {row[0] for row in base.execute("SELECT name FROM sqlite_master WHERE type='table'")}
     texts = {}
     if 'message_definitions' in tables:
         texts = {row[0]: (row[1], row[2]) for row in base.execute(
             'SELECT topic_type, encoding, encoded_message_definition FROM message_definitions')}
-    streams = []
+    streams: dict[int, Stream] = {}
     for number, topic, kind, encoding in base.execute(
             'SELECT id, name, type, serialization_format FROM topics').fetchall():
         if not all(isinstance(entry, str) for entry in (topic, kind, encoding)):
             raise sqlite3.DataError('the table of topics holds no texts')
         schema, text = texts.get(kind, ('ros2msg', ''))
-        stream = Stream(topic, kind, text, schema, encoding, {})
-        if wanted(topic):
-            if not text:
-                stream.definition = find_definition(kind)
-            rows = base.execute('SELECT timestamp, data FROM messages WHERE topic_id=? '
-                                'ORDER BY id', (number,))
-            for at, data in rows:
-                if not isinstance(at, int) or not isinstance(data, bytes):
-                    raise sqlite3.DataError('a message is no bytes, or its time no number')
-                stream.data.append(data)
-                stream.log_time.append(at)
-                stream.publish_time.append(at)
-        streams.append(stream)
-    return streams
+        if wanted(topic) and not text:
+            text = find_definition(kind)
+        streams[number] = Stream(topic, kind, text, schema, encoding, {})
+    ids = [number for number, stream in streams.items() if wanted(stream.topic)]
+    rows = base.execute('SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN '
+                        f'({", ".join("?" * len(ids))}) ORDER BY id', ids)
+    while block := rows.fetchmany(BLOCK):
+        streams = {number: stream.emptied() for number, stream in streams.items()}
+        for number, at, data in block:
+            stream = streams[number]
+            if not isinstance(at, int) or not isinstance(data, bytes):
+                raise sqlite3.DataError('a message is no bytes, or its time no number')
+            stream.data.append(data)
+            stream.log_time.append(at)
+            stream.publish_time.append(at)
+        yield list(streams.values())
+    yield [stream.emptied() for stream in streams.values()]

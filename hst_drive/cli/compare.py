@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
 from hst_drive.cli.output import add_json_argument, check_target, say, table, write_json
 from hst_drive.cli.sections import (
-    asks_for_sections, in_sections, LONG_FILE, MINUTES, told)
+    asks_for_sections, in_sections, LONG_BAG, LONG_FILE, MINUTES, told)
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,8 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='draw measured, model and error (several logs: one file each)')
     parser.add_argument('--sections', metavar='MIN', type=float,
                         help='cut each log in sections of so many minutes, so that it need not '
-                        f'fit into the memory (CSV; default: {MINUTES:g} for files beyond '
-                        f'{LONG_FILE / 1e6:.0f} MB)')
+                        f'fit into the memory (default: {MINUTES:g} for CSV files beyond '
+                        f'{LONG_FILE / 1e6:.0f} MB and bags of more than {LONG_BAG} rows)')
     add_json_argument(parser)
 
 
@@ -52,17 +52,17 @@ def run(args: argparse.Namespace) -> int:
     if args.plot:
         check_plot(args.plot)
     rig = rig_of(args)
-    if asks_for_sections(args):
-        result = in_sections(rig, args)
-    else:
-        runs = read_logs(args.logs, args.channels)
-        for entry in runs:
-            for note in entry.notes:
-                say(f'{entry.name}: {note}')
-            for line in unit_doubts(rig, entry):
-                say(f'{entry.name}: {line}; mend the unit, or leave the column out')
-        for drift in drifts(rig, runs):
-            say(drift.told)
+    result = in_sections(rig, args) if asks_for_sections(args) else None
+    runs = ([log.run for log in result.logs] if result
+            else read_logs(args.logs, args.channels))
+    for entry in runs:
+        for note in entry.notes:
+            say(f'{entry.name}: {note}')
+        for line in unit_doubts(rig, entry):
+            say(f'{entry.name}: {line}; mend the unit, or leave the column out')
+    for drift in drifts(rig, runs):
+        say(drift.told)
+    if result is None:
         result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
                          all_seconds=args.all)
     # With the JSON on standard output, nothing else may stand there.

@@ -104,7 +104,8 @@ def _figures(plan: Plan, progress: dict, interrupted: bool) -> dict:
         return {**result, 'bag': None}
     if plan.closed_loop:
         try:
-            result['speed'] = speed_held(bag.read_log(plan.output))
+            result['speed'] = speed_held(bag.read_bag(
+                plan.output, bag.ChannelMap(), ('motor_speed', 'speed_setpoint')))
         except InputError:
             pass   # ended so early that there are not two samples
     return result

@@ -1,0 +1,109 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of one topic, taken out of its messages block by block."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from hst_drive.bag.cdr import Codec, MalformedError
+from hst_drive.bag.diagnostic_values import read_values
+from hst_drive.bag.mcap_records import Stream
+from hst_drive.bag.topics import DIAGNOSTIC_ARRAY
+from hst_drive.errors import InputError
+import numpy as np
+
+_SEC, _NANOSEC = 'header.stamp.sec', 'header.stamp.nanosec'
+_FIRST = 200
+_PUBLISHED = 'published'
+
+
+class TopicNumbers:
+    """
+    What was read of a topic.
+
+    Parameters
+    ----------
+    stream : Stream
+        The topic; its messages are not taken yet.
+    paths : sequence of str
+        Where the wanted numbers are in a message.
+
+    Attributes
+    ----------
+    topic, type : str
+    codec : Codec
+    first : list of bytes
+        The first messages.
+    seen : set of str
+        Paths that held a number at least once.
+    stamped : bool
+        Whether the messages carry stamps of their own.
+
+    """
+
+    def __init__(self, stream: Stream, paths: Sequence[str]):
+        self.topic, self.type = stream.topic, stream.type
+        self.codec = Codec(stream.type, stream.definition)
+        self.first: list[bytes] = []
+        self.seen: set[str] = set()
+        self._paths = list(dict.fromkeys(paths))
+        self.stamped = self.codec.has_stamp
+        self._blocks: dict[str, list[np.ndarray]] = {}
+        self._latest: dict[str, int] = {}
+
+    def take(self, stream: Stream, source: str) -> None:
+        """
+        Take the messages of a block.
+
+        Raises
+        ------
+        InputError
+            If one does not fit its definition.
+
+        """
+        if not stream.data:
+            return
+        self.first += stream.data[:_FIRST - len(self.first)]
+        stamp = [_SEC, _NANOSEC] if self.stamped else []
+        try:
+            if self.type == DIAGNOSTIC_ARRAY:
+                found = {**read_values(stream.data, self._paths),
+                         **self.codec.extract(stream.data, stamp)}
+            else:
+                found = self.codec.extract(stream.data, [*self._paths, *stamp])
+        except MalformedError as error:
+            raise InputError(f'{source}: {stream.topic}: a message does not fit its definition '
+                             f'{stream.type} ({error})') from None
+        found[_PUBLISHED] = np.array(stream.publish_time if any(stream.publish_time)
+                                     else stream.log_time, dtype=np.int64)
+        if self.stamped:
+            found[_SEC] = (found[_SEC].astype(np.int64) * 1_000_000_000
+                           + found.pop(_NANOSEC).astype(np.int64))
+        for key in [_PUBLISHED, *[_SEC] * self.stamped]:
+            self._latest[key] = max(int(found[key].max()), self._latest.get(key, 0))
+        self.seen.update(path for path in self._paths if not np.isnan(found[path]).all())
+        for key, values in found.items():
+            self._blocks.setdefault(key, []).append(values)
+
+    def times(self, own: bool) -> np.ndarray:
+        """Return the messages' own stamps (ns), or when they were published."""
+        return self._whole(_SEC if own else _PUBLISHED)
+
+    def latest(self, own: bool) -> int:
+        """Return the greatest of these times ever (ns)."""
+        return self._latest[_SEC if own else _PUBLISHED]
+
+    def numbers(self, path: str) -> np.ndarray:
+        """Return the numbers, NaN where a message holds none."""
+        return self._whole(path)
+
+    def keep(self, rows: np.ndarray) -> None:
+        """Forget all but some messages."""
+        for key in list(self._blocks):
+            self._blocks[key] = [self._whole(key)[rows]]
+
+    def _whole(self, key: str) -> np.ndarray:
+        blocks = self._blocks[key]
+        if len(blocks) > 1:
+            blocks = self._blocks[key] = [np.concatenate(blocks)]
+        return blocks[0]
