@@ -113,8 +113,8 @@ class Cases:
         self._bytes('mcap', '.mcap', [mcap], read_log)
         self._bytes('sqlite', '.db3', [sqlite], read_log)
         for name, suffix, whole, cut in (('csv', '.csv', csv, csv_sections),
-                                          ('mcap', '.mcap', mcap, bag_sections),
-                                          ('sqlite', '.db3', sqlite, bag_sections)):
+                                         ('mcap', '.mcap', mcap, bag_sections),
+                                         ('sqlite', '.db3', sqlite, bag_sections)):
             self._bytes(f'{name}_sections', suffix, [whole], lambda path, cut=cut: list(
                 cut(path, ChannelMap(), 0.15, 0.05, 0.02)))
         self._bytes('recover', '.mcap', [mcap, mcap[:-900]], self._recover)
