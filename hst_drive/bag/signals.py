@@ -132,9 +132,10 @@ class BagSignals:
             wanted = [pick for pick in wanted if pick.entry.channel in self._only
                       and (pick.path in topic.seen or not _may_be_empty(pick))]
             chosen.append((key, wanted))
-        found = _own_clock([self._topics[key] for key, _ in chosen], self.notes)
-        for (key, _), own in zip(chosen, found):
-            self._own_clock.setdefault(key, own)    # what one part of a bag showed holds for all
+        if any(key not in self._own_clock for key, _ in chosen):
+            found = _own_clock([self._topics[key] for key, _ in chosen], self.notes)
+            for (key, _), own in zip(chosen, found):
+                self._own_clock.setdefault(key, own)    # what a part of a bag showed holds for all
         return [(self._topics[key], self._topics[key].times(self._own_clock[key]), wanted)
                 for key, wanted in chosen]
 
@@ -174,7 +175,7 @@ def _own_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[bool]:
     published = [topic.times(False) for topic in topics]
     if all(map(_usable, stamps)) and _overlap(stamps):
         return [True] * len(topics)
-    own = [_usable(times) and np.median(np.abs(times - other)) < _APART
+    own = [_usable(times) and (not len(times) or np.median(np.abs(times - other)) < _APART)
            for times, other in zip(stamps, published)]
     bare = [topic.topic for topic, good in zip(topics, own) if not good]
     if any(_usable(times) and not good for times, good in zip(stamps, own)):
