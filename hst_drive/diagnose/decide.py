@@ -7,17 +7,17 @@ import math
 from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
+from hst_drive.diagnose.alternatives import alternatives, commoner_first
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import contribution
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.rivals import told_apart
-from hst_drive.diagnose.search import at_its_end, Candidate, Search
+from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -25,12 +25,6 @@ from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
-_RIVALS_TRIED = 6
-_BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
-_BEATEN_SIGMA = 3.0
-_BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
-_ALIKE_FORM = 0.18      # the same between effects that are declared alike
-_BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
@@ -70,7 +64,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = search.run()
+    best = commoner_first(search, search.run())
     left = search.unexplained(best)
     remaining = unknowns.describe(campaign, best.fit) if left else None
     if left and best.names and not _carries(search, best):
@@ -80,7 +74,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     order = _order(search, best)
-    rivals = {name: _rivals(search, best, name) for name in order}
+    rivals = {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
     limits = intervals(campaign, best.fit) if best.names else {}
     effects = tuple(Found(
@@ -165,51 +159,6 @@ def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
     start = _excess(ladder[1].holdout)
     return [max((_excess(before.holdout) - _excess(after.holdout)) / start, 0.0) if start else 0.0
             for before, after in zip(ladder[1:], ladder[2:])]
-
-
-def _beaten(search: Search, best: Candidate, rival: Candidate, without: Fit,
-            uncertain: float) -> bool:
-    """
-    Say whether the data tell the rival from the best explanation.
-
-    ``without`` is the best explanation with the effect in question taken out: a difference that
-    another formula of that effect could make, a share ``uncertain`` of what it does, does not
-    count. Rivals have about as many parameters, so that what was fitted may judge, too.
-    """
-    for held_out in (True, False):
-        found = search.gain(rival, best, held_out)
-        done = contribution(search.campaign, without, best.fit, held_out)
-        form = sum((uncertain * value)**2 for value in done.values())
-        if sum(max(value, 0.0) for value in found.amount.values()) >= form and any(
-                found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
-                for name in found.share):
-            return True
-    return False
-
-
-def _rivals(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
-    """Return the effects that could stand in the place of one of those found."""
-    kept = best.fit.model.without(name)
-    without = best.fit._replace(errors=search.campaign.errors(kept))
-    others = tuple(entry for entry in best.names if entry != name)
-    singles = sorted((entry for entry in search.candidates
-                      if entry not in best.names), key=lambda entry: search.single(entry).score)
-    if others:
-        # Beside others the best alone may be what explains those: the most alike come first.
-        likeness = search.likeness(name)
-        singles.sort(key=lambda entry: -likeness(entry))
-    alike = [entry for entry in singles if entry in catalogue()[name].alike]
-    tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
-    found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals')
-    standing = []
-    for rival in sorted(found, key=lambda item: item.score):
-        entry = next(entry for entry in rival.names if entry not in others)
-        uncertain = _ALIKE_FORM if entry in alike else _BEATEN_FORM
-        if rival.score - best.score <= _BEATEN_SCORE or not (
-                at_its_end(rival.fit.model, entry)
-                or _beaten(search, best, rival, without, uncertain)):
-            standing.append(entry)
-    return tuple(standing)
 
 
 def _ranking(search: Search) -> tuple[Ranked, ...]:

@@ -67,17 +67,22 @@ class Search:
         """Return the held-out squared error plus what the priors ask; lower is better."""
         return score(self.campaign, fitted)
 
-    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]],
-                what: str) -> list[Candidate]:
-        """Fit several sets of effects, each from its starting model, on all cores."""
+    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]], what: str,
+                again: bool = False) -> list[Candidate]:
+        """
+        Fit several sets of effects, each from its starting model, on all cores.
+
+        One that was fitted before is not fitted again, or with ``again`` counts if it is better.
+        """
         todo = [(tuple(sorted(names)), start) for names, start in sets
-                if tuple(sorted(names)) not in self._known]
+                if again or tuple(sorted(names)) not in self._known]
         # The long ones first, so that no core waits for them at the end.
         todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
                                         for name in task[0]))
         with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
             for done, found in enumerate(pool.map(self._fit, todo)):
-                self._known[found.names] = found
+                self._known[found.names] = min(
+                    found, self._known.get(found.names, found), key=lambda item: item.score)
                 self.progress(f'{what}: {done + 1} of {len(todo)}')
         return [self._known[tuple(sorted(names))] for names, _ in sets]
 

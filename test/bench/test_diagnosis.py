@@ -45,6 +45,16 @@ def test_a_pair_is_named(rows):
     assert set(rows[4]['effects']) <= named(rows[4])
 
 
+@pytest.mark.parametrize(('form', 'first'), [
+    ('flow_dependent', ['back_pressure']), ('constant', ['back_pressure', 'bearing_friction'])])
+def test_a_return_pressure_is_told_by_its_flow_and_else_left_open(form, first):
+    made = make_campaign(SEED + 9, {'back_pressure': {'size': 0.8, 'form': form}})
+    found = diagnose(*as_runs(made)).effects
+    assert len(found) == 1 and found[0].id in first
+    assert {'back_pressure', 'bearing_friction'} <= {
+        found[0].id, *found[0].indistinguishable_from}
+
+
 def test_stick_slip_is_named_though_its_phase_is_lost():
     made = make_campaign(SEED + 7, {'stribeck_friction': {'size': 1.5, 'form': 'gauss'}})
     rig, runs, held = as_runs(made)
