@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
@@ -207,8 +208,7 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = copy.copy(self.drive)
-        drive.parameters = self.drive.parameters.copy()
-        drive.switches = self.drive.switches.copy()
+        drive.parameters, drive.switches = drive.parameters.copy(), drive.switches.copy()
         drive.effects = dict(self.drive.effects)
         for key, value in model.factors.items():
             drive.parameters[INDEX[SCALED[key]]] *= np.exp(value)
@@ -243,6 +243,23 @@ class Campaign:
         return np.concatenate([(error * column.trust)[column.fit] * self.thinning(column)
                                for error, column in zip(errors, self.columns)])
 
+    def without_events(self, residual: np.ndarray) -> np.ndarray:
+        """Say which of the errors to fit on are not in the worst blocks (a share ``EVENTS``)."""
+        block = np.concatenate([self._block[column.log][column.fit] for column in self.columns])
+        power = np.bincount(block, residual**2)
+        worst = np.argsort(power)[len(power) - int(np.ceil(self.events * len(power))):]
+        return ~np.isin(block, worst)
+
+    @cached_property
+    def _block(self) -> list[np.ndarray]:
+        """The number of the block of time that each sample lies in, by log; all logs in turn."""
+        numbers, total = [], 0
+        for replay in self.replays:
+            since = replay.run.time - replay.run.time[0]
+            numbers.append((since / self.block).astype(int) + total)
+            total = int(numbers[-1][-1]) + 1
+        return numbers
+
     def thinning(self, column: Column) -> float:
         """Return the weight that makes samples closer than 0.1 s count as one."""
         return float(np.sqrt(min(10 * self.replays[column.log].run.sample_time, 1.0)))
@@ -257,9 +274,8 @@ class Campaign:
         ratios = {}
         for name, squares in self.blocks(errors, held_out).items():
             squares = np.sort(squares[np.isfinite(squares)])
-            kept = squares[:len(squares) - int(np.ceil(self.events * len(squares)))]
-            if len(kept):
-                ratios[name] = float(np.sqrt(kept.mean()))
+            if count := len(squares) - int(np.ceil(self.events * len(squares))):
+                ratios[name] = float(np.sqrt(squares[:count].mean()))
         return ratios
 
     def blocks(self, errors: Sequence[np.ndarray], held_out: bool = True) -> dict[
@@ -267,25 +283,16 @@ class Campaign:
         """
         Return the mean squared error of each block of ``block`` seconds, by signal.
 
-        Returns
-        -------
-        dict of str to ndarray, shape (blocks,)
-            Blocks of all logs in turn; NaN where a log lacks the signal, so that all signals
-            and all models have the same blocks.
-
+        Blocks of all logs in turn; NaN where a log lacks the signal, so that all signals and all
+        models have the same ones.
         """
-        numbers, total = [], 0
-        for replay in self.replays:
-            number = ((replay.run.time - replay.run.time[0]) / self.block).astype(int)
-            numbers.append(number + total)
-            total += int(number[-1]) + 1
-        result = {}
+        result, total = {}, int(self._block[-1][-1]) + 1
         for name in self.signals:
             sums, counts = np.zeros(total), np.zeros(total)
             for error, column in zip(errors, self.columns):
                 if column.signal == name:
                     chosen = column.judge if held_out else column.fit
-                    number = numbers[column.log][chosen]
+                    number = self._block[column.log][chosen]
                     sums += np.bincount(number, (error * column.trust)[chosen]**2, total)
                     counts += np.bincount(number, minlength=total)
             result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)

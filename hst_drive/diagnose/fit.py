@@ -21,6 +21,7 @@ SIGMAS = 3.0
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
+_FITS, _BETTER = 0.1, 0.7   # squared error over the floor's; share of it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
 
@@ -104,9 +105,11 @@ def _parameter(effect: str, key: str) -> Parameter:
 
 
 def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-            errors: Sequence[np.ndarray]) -> float:
-    """Return the sum of squares of weighted errors and priors."""
+            errors: Sequence[np.ndarray], trimmed: bool = False) -> float:
+    """Return the sum of squares of weighted errors and priors; ``trimmed``: without events."""
     residual = campaign.training(errors)
+    if trimmed:
+        residual = residual[campaign.without_events(residual)]
     prior = vector[:unknowns.factors]
     return float(residual @ residual + prior @ prior)
 
@@ -128,7 +131,7 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
 
 
 def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndarray | None = None,
-        refresh: bool = False, kept: Collection[tuple[str, str]] = (),
+        refresh: bool = False, trimmed: bool = False, kept: Collection[tuple[str, str]] = (),
         progress: Callable[[str], None] = lambda text: None) -> Fit:
     """
     Fit the unit's factors and the parameters of the effects that are on.
@@ -145,6 +148,9 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         Jacobian of the factors from a nearby model; saves most of the work.
     refresh : bool
         Form the whole Jacobian anew at the end, for intervals.
+    trimmed : bool
+        Leave out the few seconds where the model is off most, in each step anew: a drive that
+        stalls only in the model stands in the way of all steps else.
     kept : collection of (str, str)
         What stays as ``start`` has it (``Unknowns``).
     progress : callable
@@ -160,7 +166,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
 
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
     errors = errors_at(vector)
-    cost = cost_of(campaign, unknowns, vector, errors)
+    cost = cost_of(campaign, unknowns, vector, errors, trimmed)
     count = len(vector)
     free = list(range(unknowns.factors, count))
     jacobian = np.empty((len(campaign.training(errors)), count))
@@ -173,9 +179,9 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
                                          errors_at)
         step_taken = False
         for _ in range(3):
-            trial = _step(campaign, unknowns, vector, errors, jacobian, damping)
+            trial = _step(campaign, unknowns, vector, errors, jacobian, damping, trimmed)
             trial_errors = errors_at(trial)
-            trial_cost = cost_of(campaign, unknowns, trial, trial_errors)
+            trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)
             if trial_cost < cost:
                 gain = cost - trial_cost
                 vector, errors, cost = trial, trial_errors, trial_cost
@@ -193,6 +199,26 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
 
 
+def calibrated(campaign: Campaign) -> Fit:
+    """
+    Return the fit of the unit's factors alone.
+
+    Where the model stalls and the machine does not, or the other way round, a few seconds may
+    keep all else from being fitted: then they are left to the effects.
+    """
+    plain = fit(campaign, Model(), iterations=5, refresh=True)
+    if _excess(campaign, plain) < _FITS:
+        return plain
+    trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
+    better = _excess(campaign, trimmed) < _BETTER * _excess(campaign, plain)
+    return trimmed if better else plain
+
+
+def _excess(campaign: Campaign, fitted: Fit) -> float:
+    return sum(max(value**2 - 1.0, 0.0)
+               for value in campaign.ratios(fitted.errors, False).values())
+
+
 def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
              errors: Sequence[np.ndarray], jacobian: np.ndarray) -> float:
     """Return by how much one more step would lower the cost if the problem were linear."""
@@ -204,9 +230,13 @@ def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
 
 
 def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-          errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float) -> np.ndarray:
+          errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float,
+          trimmed: bool = False) -> np.ndarray:
     """Solve the linearised problem within the bounds."""
     residual = campaign.training(errors)
+    if trimmed:
+        used = campaign.without_events(residual)
+        residual, jacobian = residual[used], jacobian[used]
     normal = jacobian.T @ jacobian
     gradient = jacobian.T @ residual
     prior = np.zeros(len(vector))

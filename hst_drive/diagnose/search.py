@@ -13,7 +13,7 @@ import os
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import Fit, fit, score
+from hst_drive.diagnose.fit import calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, IN_SAMPLE, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
     worthwhile)
@@ -58,7 +58,7 @@ class Search:
         self.campaign = campaign
         self.candidates = tuple(candidates)
         self.progress = progress
-        self.base = fit(campaign, Model(), iterations=5, refresh=True)
+        self.base = calibrated(campaign)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
         self._known: dict[tuple[str, ...], Candidate] = {}
         self.baseline = Candidate((), self.base, self.score(self.base))
@@ -69,11 +69,7 @@ class Search:
 
     def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]], what: str,
                 again: bool = False) -> list[Candidate]:
-        """
-        Fit several sets of effects, each from its starting model, on all cores.
-
-        One that was fitted before is not fitted again, or with ``again`` counts if it is better.
-        """
+        """Fit sets of effects on all cores; known ones not, or if ``again`` the better counts."""
         todo = [(tuple(sorted(names)), start) for names, start in sets
                 if again or tuple(sorted(names)) not in self._known]
         # The long ones first, so that no core waits for them at the end.

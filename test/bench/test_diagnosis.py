@@ -55,6 +55,14 @@ def test_a_return_pressure_is_told_by_its_flow_and_else_left_open(form, first):
         found[0].id, *found[0].indistinguishable_from}
 
 
+def test_a_model_that_stalls_where_the_machine_does_not_is_calibrated_all_the_same():
+    """Two seconds near standstill once kept the load from being fitted: stribeck_friction."""
+    channels = ('pump_command', 'pprv_command', 'speed_setpoint', 'oil_temperature',
+                'motor_inlet_flow', 'motor_speed', 'load_torque')
+    made = make_campaign(1702003, rig_seed=1702003, channels=channels)
+    assert diagnose(*as_runs(made)).verdict == 'none'
+
+
 def test_stick_slip_is_named_though_its_phase_is_lost():
     made = make_campaign(SEED + 7, {'stribeck_friction': {'size': 1.5, 'form': 'gauss'}})
     rig, runs, held = as_runs(made)
