@@ -24,7 +24,7 @@ from tempfile import TemporaryDirectory
 import time
 import warnings
 
-from hst_drive.bag import bag_sections, ChannelMap, read_log, recover, write_csv, write_run
+from hst_drive.bag import ChannelMap, read_log, recover, write_csv, write_run
 from hst_drive.bag.bench_table import read_points
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import load_channel_map, parse_channel_map
@@ -109,14 +109,10 @@ class Cases:
         self._bytes('csv', '.csv', [csv, csv.replace(b',', b';')], read_log)
         self._bytes('csv_with_map', '.csv', [csv], lambda path: read_log(path, parse_channel_map(
             {'channels': {'load_torque': {'from': 'motor_speed', 'unit': 'N.m'}}})))
-        sqlite = self._sqlite(folder / 'bag.db3')
         self._bytes('mcap', '.mcap', [mcap], read_log)
-        self._bytes('sqlite', '.db3', [sqlite], read_log)
-        for name, suffix, whole, cut in (('csv', '.csv', csv, csv_sections),
-                                         ('mcap', '.mcap', mcap, bag_sections),
-                                         ('sqlite', '.db3', sqlite, bag_sections)):
-            self._bytes(f'{name}_sections', suffix, [whole], lambda path, cut=cut: list(
-                cut(path, ChannelMap(), 0.15, 0.05, 0.02)))
+        self._bytes('sqlite', '.db3', [self._sqlite(folder / 'bag.db3')], read_log)
+        self._bytes('csv_sections', '.csv', [csv], lambda path: list(
+            csv_sections(path, ChannelMap(), 0.15, 0.05, 0.02)))
         self._bytes('recover', '.mcap', [mcap, mcap[:-900]], self._recover)
         self._bytes('metadata', '.yaml', [metadata], self._with_metadata(mcap))
         self._bytes('rig_text', '.yaml', [rig], load_rig)

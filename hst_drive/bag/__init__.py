@@ -18,11 +18,9 @@ from hst_drive.bag.kinds import is_mcap
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
-__all__ = ['BagWriter', 'ChannelMap', 'bag_sections', 'is_bag', 'load_channel_map',
-           'most_messages', 'read_bag', 'read_csv', 'read_log', 'recover', 'recover_command',
-           'write_csv', 'write_run']
+__all__ = ['BagWriter', 'ChannelMap', 'load_channel_map', 'read_bag', 'read_csv', 'read_log',
+           'recover', 'recover_command', 'write_csv', 'write_run']
 _ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
-           'bag_sections': 'long_bag', 'most_messages': 'rosbag2',
            'recover': 'recovery', 'recover_command': 'mcap_bag'}
 
 
@@ -61,24 +59,10 @@ def read_log(path: str | os.PathLike[str],
         channel_map = ChannelMap()
     elif not isinstance(channel_map, ChannelMap):
         channel_map = load_channel_map(channel_map)
-    if is_bag(path):
-        return __getattr__('read_bag')(path, channel_map)
-    return read_csv(path, channel_map)
-
-
-def is_bag(path: str | os.PathLike[str]) -> bool:
-    """
-    Tell a bag from a CSV file.
-
-    Raises
-    ------
-    InputError
-        If there is nothing to read.
-
-    """
-    path = Path(path)
     try:
-        return (path.is_dir() or is_mcap(path)
-                or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size > 0)
+        if path.is_dir() or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size \
+                or is_mcap(path):
+            return __getattr__('read_bag')(path, channel_map)
     except OSError as error:
         raise InputError(f'{path}: cannot be read: {error.strerror}') from None
+    return read_csv(path, channel_map)

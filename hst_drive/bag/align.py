@@ -129,10 +129,9 @@ def _alternates(values: np.ndarray) -> bool:
     return bool(next_one > _APART * next_but_one and next_one > 0.0)
 
 
-def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = (),
-          origin: int | None = None) -> Run:
+def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = ()) -> Run:
     """
-    Bring signals to one time base that begins at 0 s, or counts from ``origin`` (ns).
+    Bring signals to one time base that begins at 0 s.
 
     Raises
     ------
@@ -153,9 +152,8 @@ def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str
             moved.append(signal.channel)
     if moved:
         notes.append(f'{", ".join(moved)}: read at the stamps of {base.channel}')
-    if origin is None:
-        origin = base.stamps[0] if len(base.stamps) else 0
-    return finish_run(name, (base.stamps - origin) / 1e9, channels, source, notes, 'messages')
+    start = base.stamps[0] if len(base.stamps) else 0
+    return finish_run(name, (base.stamps - start) / 1e9, channels, source, notes, 'messages')
 
 
 def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:

@@ -18,7 +18,6 @@ from mcap.reader import make_reader
 from mcap.summary import Summary
 
 BLOCK = 20_000      # messages at a time
-_OVERLAP = 2_000_000_000    # ns; chunks of messages that are written as they come
 
 
 class Extent(NamedTuple):
@@ -56,12 +55,11 @@ def read_streams(path: Path, wanted: Callable[[str], bool]) -> Iterator[list[Str
     try:
         with open(path, 'rb') as file:
             summary = _summary(file)
-            groups = _groups(summary, wanted)
-            if summary is not None and groups is not None:
+            offsets = _offsets(summary, wanted)
+            if summary is not None and offsets is not None:
                 collector.know(summary)
-            for offsets in [None] if groups is None else groups:
-                for opcode, body in records(file, offsets):
-                    collector.take(opcode, body)
+            for opcode, body in records(file, offsets):
+                collector.take(opcode, body)
                 if collector.messages >= BLOCK:
                     yield collector.block()
             yield collector.block()
@@ -90,14 +88,6 @@ def salvage_streams(path: Path) -> tuple[list[Stream], int]:
             except DAMAGE:
                 damaged += 1
     return collector.block(), damaged
-
-
-def longest_topic(path: Path) -> int:
-    """Return how many messages the longest topic of a finished file has; 0 if it does not say."""
-    with open(path, 'rb') as file:
-        summary = _summary(file)
-    counts = summary.statistics.channel_message_counts if summary and summary.statistics else {}
-    return max(counts.values(), default=0)
 
 
 def extent(path: Path) -> Extent:
@@ -144,25 +134,13 @@ def _summary(file: BinaryIO) -> Summary | None:
         return None     # lengths in it may be anything; the records are then read one by one
 
 
-def _groups(summary: Summary | None,
-            wanted: Callable[[str], bool]) -> list[list[int]] | None:
-    """
-    Return where the chunks with wanted topics are, in groups that follow each other in time.
-
-    None if the file has no index.
-    """
+def _offsets(summary: Summary | None, wanted: Callable[[str], bool]) -> list[int] | None:
+    """Return where the chunks with wanted topics are; None if the file has no index."""
     if summary is None or not summary.chunk_indexes:
         return None
     if any(not index.message_index_offsets or not index.message_index_offsets.keys()
            <= summary.channels.keys() for index in summary.chunk_indexes):
         return None
     ids = {number for number, channel in summary.channels.items() if wanted(channel.topic)}
-    groups: list[list[int]] = []
-    end = 0
-    for index in sorted(summary.chunk_indexes, key=lambda index: index.message_start_time):
-        if ids & index.message_index_offsets.keys():
-            if not groups or index.message_start_time > end - _OVERLAP:
-                groups.append([])
-            groups[-1].append(index.chunk_start_offset)
-            end = max(end, index.message_end_time)
-    return groups
+    return [index.chunk_start_offset for index in summary.chunk_indexes
+            if ids & index.message_index_offsets.keys()]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
-import os
 from pathlib import Path
 import sqlite3
 from tempfile import TemporaryDirectory
@@ -13,15 +12,13 @@ from typing import Any
 
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.kinds import is_mcap
-from hst_drive.bag.mcap_bag import (
-    BLOCK, cut_error, is_finished, longest_topic, read_streams)
+from hst_drive.bag.mcap_bag import BLOCK, cut_error, is_finished, read_streams
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.errors import InputError
 import yaml
 import zstandard
 
 _TOP = 'rosbag2_bagfile_information'
-_ROW = 1000     # bytes of all topics for one message of the longest
 
 
 def bag_files(path: Path, notes: list[str]) -> list[Path]:
@@ -81,17 +78,6 @@ def bag_blocks(path: Path, wanted: Callable[[str], bool],
                     joined.setdefault((stream.topic, stream.type),
                                       stream.emptied()).extend(stream)
                 yield list(joined.values())
-
-
-def most_messages(path: str | os.PathLike[str]) -> int:
-    """Return how many messages the longest topic of a bag has, as far as its index tells."""
-    total = 0
-    for file in bag_files(Path(path), []):
-        if is_mcap(file) and is_finished(file):
-            total += longest_topic(file)
-        elif file.suffix == '.db3':
-            total += file.stat().st_size // _ROW
-    return total
 
 
 def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> Iterator[list[Stream]]:
@@ -173,7 +159,7 @@ def _compressed_messages(path: Path) -> bool:
 
 def _read_sqlite(path: Path, wanted: Callable[[str], bool]) -> Iterator[list[Stream]]:
     try:
-        with closing(sqlite3.connect(f'file:{path}?mode=ro', uri=True)) as base:
+        with closing(sqlite3.connect(f'{path.resolve().as_uri()}?mode=ro', uri=True)) as base:
             yield from _query(base, wanted)
     except (sqlite3.Error, MemoryError, OverflowError, TypeError, UnicodeDecodeError) as error:
         raise InputError(f'{path}: damaged or no sqlite3 bag ({error})') from None

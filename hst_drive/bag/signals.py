@@ -13,6 +13,7 @@ from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, r
 from hst_drive.bag.rosbag2 import bag_blocks
 from hst_drive.bag.topic_numbers import TopicNumbers
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, TOPICS
+from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
 
@@ -70,8 +71,6 @@ class BagSignals:
                         for entry in channel_map.entries.values()}
         self._streams: list[Stream] = []
         self._topics: dict[Key, TopicNumbers] = {}
-        self._own_clock: dict[Key, bool] = {}
-        self._forgotten = -np.inf
 
     def wanted(self, topic: str) -> bool:
         """Tell whether a topic may carry one of the channels."""
@@ -83,22 +82,28 @@ class BagSignals:
         """Take the messages of a block; all topics known so far come with it."""
         for stream in streams:
             key = stream.topic, stream.type
-            if stream.data and key not in self._topics:
-                own = TOPICS.get(stream.topic.rpartition('/')[2])
-                paths = [field.path for field in own_fields(stream.topic, self._map)
-                         if own and own.type == stream.type]
-                paths += [mapped_pick(entry, [stream], self._map.source)[1].path
-                          for entry in self._map.entries.values()
-                          if self._mapped[entry.channel] == stream.topic]
-                if paths:
-                    self._topics[key] = TopicNumbers(stream, paths)
+            if stream.data and key not in self._topics and (paths := self._paths(stream)):
+                self._topics[key] = TopicNumbers(stream, paths)
             if key in self._topics:
                 self._topics[key].take(stream, str(self._path))
         self._streams = [stream.emptied() for stream in streams]
 
-    def signals(self, low: float = -np.inf, high: float = np.inf) -> list[Signal]:
+    def _paths(self, stream: Stream) -> list[str]:
+        """Return where the numbers are that may be wanted of a topic; ``all_picks`` decides."""
+        paths = []
+        if TOPICS.get(stream.topic.rpartition('/')[2], stream).type == stream.type:
+            paths += [field.path for field in own_fields(stream.topic, self._map)]
+        for entry in self._map.entries.values():
+            if self._mapped[entry.channel] == stream.topic:
+                try:
+                    paths.append(mapped_pick(entry, [stream], self._map.source)[1].path)
+                except InputError:
+                    pass    # a topic may have come under two types
+        return paths
+
+    def signals(self) -> list[Signal]:
         """
-        Return the signals with stamps from ``low`` to ``high`` (ns) of one clock.
+        Return the signals of all that was taken.
 
         Raises
         ------
@@ -106,19 +111,6 @@ class BagSignals:
             If the bag holds nothing of ours, or not what the channel map asks for.
 
         """
-        signals = []
-        for topic, stamps, wanted in self._timed():
-            inside = (stamps >= low) & (stamps <= high)
-            for pick in wanted:
-                raw, at = topic.numbers(pick.path)[inside], stamps[inside]
-                if topic.type == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
-                    at, raw = at[~np.isnan(raw)], raw[~np.isnan(raw)]
-                signals.append(Signal(pick.entry.channel, at,
-                                      pick.entry.to_si(raw, pick.unit, pick.absolute)))
-        return signals
-
-    def _timed(self) -> list[tuple[TopicNumbers, np.ndarray, list[Pick]]]:
-        """Return the topics to read, their stamps on one clock (ns), and what to take of each."""
         chosen = []
         for key, (stream, wanted) in all_picks(self._streams, self._map, str(self._path),
                                                self.notes).items():
@@ -129,60 +121,39 @@ class BagSignals:
             for pick in wanted:
                 if pick.entry.source and pick.path not in topic.seen:
                     refuse_beyond(pick, topic, self._map.source)
-            wanted = [pick for pick in wanted if pick.entry.channel in self._only
-                      and (pick.path in topic.seen or not _may_be_empty(pick))]
-            chosen.append((key, wanted))
-        if any(key not in self._own_clock for key, _ in chosen):
-            found = _own_clock([self._topics[key] for key, _ in chosen], self.notes)
-            for (key, _), own in zip(chosen, found):
-                self._own_clock.setdefault(key, own)    # what a part of a bag showed holds for all
-        return [(self._topics[key], self._topics[key].times(self._own_clock[key]), wanted)
-                for key, wanted in chosen]
-
-    @property
-    def empty(self) -> bool:
-        """Whether no message came yet that may count."""
-        return not self._topics
-
-    @property
-    def latest(self) -> float:
-        """The latest stamp so far (ns); minus infinity before ``signals`` chose the clock."""
-        return max((self._topics[key].latest(own) for key, own in self._own_clock.items()),
-                   default=-np.inf)
-
-    @property
-    def earliest(self) -> float:
-        """The earliest stamp that is held (ns)."""
-        return min((int(stamps.min()) for key, own in self._own_clock.items()
-                    if len(stamps := self._topics[key].times(own))), default=-np.inf)
-
-    def forget(self, before: float) -> None:
-        """Forget what has stamps before a time (ns)."""
-        late = 0
-        for key, own in self._own_clock.items():
-            stamps = self._topics[key].times(own)
-            late += int(np.count_nonzero(stamps < self._forgotten))
-            self._topics[key].keep(stamps >= before)
-        self._forgotten = before
-        if late:
-            self.notes.append(f'{late} messages have stamps long before those of others recorded '
-                              'with them; left out; was the clock set back?')
+            chosen.append((topic, [
+                pick for pick in wanted if pick.entry.channel in self._only
+                and (pick.path in topic.seen or not _may_be_empty(pick))]))
+        stamps = _common_clock([topic for topic, _ in chosen], self.notes)
+        signals = [_signal(topic, pick, at) for (topic, wanted), at in zip(chosen, stamps)
+                   for pick in wanted]
+        if not signals:
+            raise InputError(f'{self._path}: none of our topics holds a number')
+        return signals
 
 
-def _own_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[bool]:
-    """Say whose own stamps are of one clock; the times of publishing serve for the others."""
-    stamps = [topic.times(True) if topic.stamped else None for topic in topics]
-    published = [topic.times(False) for topic in topics]
+def _signal(topic: TopicNumbers, pick: Pick, stamps: np.ndarray) -> Signal:
+    raw = topic.numbers(pick.path)
+    if topic.type == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
+        stamps, raw = stamps[~np.isnan(raw)], raw[~np.isnan(raw)]
+    return Signal(pick.entry.channel, stamps, pick.entry.to_si(raw, pick.unit, pick.absolute))
+
+
+def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.ndarray]:
+    """Return stamps of one clock: the messages' own ones, or the times of publishing."""
+    stamps = [topic.stamps for topic in topics]
+    published = [topic.published for topic in topics]
     if all(map(_usable, stamps)) and _overlap(stamps):
-        return [True] * len(topics)
-    own = [_usable(times) and (not len(times) or np.median(np.abs(times - other)) < _APART)
+        return stamps
+    own = [_usable(times) and np.median(np.abs(times - other)) < _APART
            for times, other in zip(stamps, published)]
     bare = [topic.topic for topic, good in zip(topics, own) if not good]
     if any(_usable(times) and not good for times, good in zip(stamps, own)):
         notes.append('not all stamps are of one clock; the times of publishing are used')
-        return [False] * len(topics)
-    notes.append(f'{", ".join(bare)}: no stamps; the times of publishing are used')
-    return [bool(good) for good in own]
+        return published
+    if bare:
+        notes.append(f'{", ".join(bare)}: no stamps; the times of publishing are used')
+    return [times if good else other for times, other, good in zip(stamps, published, own)]
 
 
 def _may_be_empty(pick: Pick) -> bool:

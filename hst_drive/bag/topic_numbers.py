@@ -49,7 +49,6 @@ class TopicNumbers:
         self._paths = list(dict.fromkeys(paths))
         self.stamped = self.codec.has_stamp
         self._blocks: dict[str, list[np.ndarray]] = {}
-        self._latest: dict[str, int] = {}
 
     def take(self, stream: Stream, source: str) -> None:
         """
@@ -79,28 +78,23 @@ class TopicNumbers:
         if self.stamped:
             found[_SEC] = (found[_SEC].astype(np.int64) * 1_000_000_000
                            + found.pop(_NANOSEC).astype(np.int64))
-        for key in [_PUBLISHED, *[_SEC] * self.stamped]:
-            self._latest[key] = max(int(found[key].max()), self._latest.get(key, 0))
         self.seen.update(path for path in self._paths if not np.isnan(found[path]).all())
         for key, values in found.items():
             self._blocks.setdefault(key, []).append(values)
 
-    def times(self, own: bool) -> np.ndarray:
-        """Return the messages' own stamps (ns), or when they were published."""
-        return self._whole(_SEC if own else _PUBLISHED)
+    @property
+    def stamps(self) -> np.ndarray | None:
+        """The messages' own stamps (ns); None if they carry none."""
+        return self._whole(_SEC) if self.stamped else None
 
-    def latest(self, own: bool) -> int:
-        """Return the greatest of these times ever (ns)."""
-        return self._latest[_SEC if own else _PUBLISHED]
+    @property
+    def published(self) -> np.ndarray:
+        """When the messages were published (ns)."""
+        return self._whole(_PUBLISHED)
 
     def numbers(self, path: str) -> np.ndarray:
         """Return the numbers, NaN where a message holds none."""
         return self._whole(path)
-
-    def keep(self, rows: np.ndarray) -> None:
-        """Forget all but some messages."""
-        for key in list(self._blocks):
-            self._blocks[key] = [self._whole(key)[rows]]
 
     def _whole(self, key: str) -> np.ndarray:
         blocks = self._blocks[key]

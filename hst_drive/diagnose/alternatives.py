@@ -12,28 +12,8 @@ _RIVALS_TRIED = 6
 _BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 _BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
-_COMMONER_FORM = 0.04   # the same where the commoner of two is to come first
-_ALIKE_FORM = 0.18      # the same between effects that are declared alike
+_ALIKE_FORM = 0.3      # the same between effects that are declared alike
 _BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
-
-
-def commoner_first(search: Search, best: Candidate) -> Candidate:
-    """Return the best with commoner effects in place of rarer ones that do hardly better."""
-    for name in best.names:
-        for other in catalogue()[name].rarer_than:
-            if other not in search.candidates or other in best.names:
-                continue
-            kept = best.fit.model.without(name)
-            others = tuple(entry for entry in best.names if entry != name)
-            found = search.refine(search.try_all([((*others, other), kept)], 'trying rivals',
-                                                 again=True)[0])
-            without = best.fit._replace(errors=search.campaign.errors(kept))
-            if not (at_its_end(found.fit.model, other)
-                    or len(search.unexplained(found)) > len(search.unexplained(best))
-                    or _beaten(search, best, found, without, _COMMONER_FORM)):
-                best = found
-                break
-    return best
 
 
 def _beaten(search: Search, best: Candidate, rival: Candidate, without: Fit,

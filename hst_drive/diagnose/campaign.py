@@ -246,8 +246,9 @@ class Campaign:
     def without_events(self, residual: np.ndarray) -> np.ndarray:
         """Say which of the errors to fit on are not in the worst blocks (a share ``EVENTS``)."""
         block = np.concatenate([self._block[column.log][column.fit] for column in self.columns])
+        used, block = np.unique(block, return_inverse=True)
         power = np.bincount(block, residual**2)
-        worst = np.argsort(power)[len(power) - int(np.ceil(self.events * len(power))):]
+        worst = np.argsort(power)[len(used) - int(np.ceil(self.events * len(used))):]
         return ~np.isin(block, worst)
 
     @cached_property

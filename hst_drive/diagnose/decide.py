@@ -7,7 +7,7 @@ import math
 from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
-from hst_drive.diagnose.alternatives import alternatives, commoner_first
+from hst_drive.diagnose.alternatives import alternatives
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
@@ -64,7 +64,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = commoner_first(search, search.run())
+    best = search.run()
     left = search.unexplained(best)
     remaining = unknowns.describe(campaign, best.fit) if left else None
     if left and best.names and not _carries(search, best):

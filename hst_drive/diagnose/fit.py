@@ -195,6 +195,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
             break
     if refresh:
         jacobian = differences(campaign, unknowns, vector, errors, range(count), errors_at)
+    if trimmed:
+        cost = cost_of(campaign, unknowns, vector, errors)      # to be compared with others
     model = unknowns.unpack(vector)
     return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
 

@@ -6,16 +6,9 @@ from hst_drive.effects.base import Effect, Parameter
 DRILLING_SPEED = 10.0    # rad/s: about where a drill works, so that size and share are told apart
 
 
-def outlet(motor_speed, outlet_pressure, flow_share, loss_share):
-    """Return the outlet pressure, as far as it takes its share of the losses away, Pa."""
-    return loss_share * outlet_pressure * (
-        1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
-
-
-def drag(motor_speed, motor_displacement, outlet_pressure, flow_share, loss_share):
-    """Return the torque of the rest of it, N.m."""
-    return (1.0 - loss_share) * outlet_pressure * motor_displacement * (
-        1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
+def outlet(motor_speed, outlet_pressure, flow_share):
+    """Return the pressure at the hydromotor outlet, Pa."""
+    return outlet_pressure * (1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
 
 
 EFFECT = Effect(
@@ -23,24 +16,18 @@ EFFECT = Effect(
     title='the hydromotor discharges against a return pressure',
     slot='back_pressure',
     function=outlet,
-    also=(('motor_torque_loss', drag),),
-    equation='T = (eta * P - (1 - loss_share * (1 - eta)) * P_out) * D_m, '
-             'P_out = outlet_pressure * (1 + flow_share * (|omega| / (10 rad/s) - 1))',
+    equation='T = eta * (P - P_out) * D_m, P_out = outlet_pressure * (1 + flow_share * '
+             '(|omega| / (10 rad/s) - 1))',
     parameters=(
         Parameter('outlet_pressure', 'Pa', 0.0, 6e6, 4e5,
                   'gauge pressure at the hydromotor outlet, at 10 rad/s'),
         Parameter('flow_share', '1', 0.0, 0.6, 0.0,
                   'share of it that goes with the flow (filter, return pipe)', whole_drive=True),
-        Parameter('loss_share', '1', 0.0, 1.0, 0.0, 'share of the torque losses that goes with '
-                  'the difference of the pressures, not with the inlet pressure alone',
-                  fixed=True),
     ),
-    starts=({'loss_share': 1.0},),      # fitted, it would trade places with the size
     telltale='Pressure is too high by the same amount at every load; at every speed, too, unless '
              'the return line throttles.',
     source='Torque of a hydromotor from the difference of its port pressures: H. E. Merritt, '
            'Hydraulic Control Systems, Wiley 1967; ISO 4409. Laminar return line: the same.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
     alike=('bearing_friction', 'pressure_sensor_bias'),
-    rarer_than=('bearing_friction',),
 )

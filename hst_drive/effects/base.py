@@ -147,8 +147,6 @@ class Effect:
     alike : tuple of str
         Effects that differ from this one by no more than formulas do from machines, so that a
         better fit does not tell them apart where it is small.
-    rarer_than : tuple of str
-        Effects that come first where the data hardly tell them from this one.
     starts : tuple of dict of str to float
         Parameters from which a fit may start besides the typical ones: where the error has
         several valleys, one of them must lie in each.
@@ -173,7 +171,6 @@ class Effect:
     shows_in: tuple[str, ...] = ()
     also: tuple[tuple[str, Callable[..., float]], ...] = ()
     alike: tuple[str, ...] = ()
-    rarer_than: tuple[str, ...] = ()
     starts: tuple[dict[str, float], ...] = ()
     searched: str = 'always'
 
