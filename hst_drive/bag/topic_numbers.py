@@ -84,12 +84,12 @@ class TopicNumbers:
 
     @property
     def stamps(self) -> np.ndarray | None:
-        """The messages' own stamps (ns); None if they carry none."""
+        """The messages' own times, ns; None if they carry none."""
         return self._whole(_SEC) if self.stamped else None
 
     @property
     def published(self) -> np.ndarray:
-        """When the messages were published (ns)."""
+        """When the messages were sent, ns."""
         return self._whole(_PUBLISHED)
 
     def numbers(self, path: str) -> np.ndarray:
