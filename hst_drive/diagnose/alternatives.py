@@ -12,7 +12,6 @@ _RIVALS_TRIED = 6
 _BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 _BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
-_ALIKE_FORM = 0.3      # the same between effects that are declared alike
 _BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 
 
@@ -55,7 +54,9 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     standing = []
     for rival in sorted(found, key=lambda item: item.score):
         entry = next(entry for entry in rival.names if entry not in others)
-        uncertain = _ALIKE_FORM if entry in alike else _BEATEN_FORM
+        uncertain = _BEATEN_FORM
+        if entry in alike:
+            uncertain = max(catalogue()[one].formula_error for one in (name, entry))
         if rival.score - best.score <= _BEATEN_SCORE or not (
                 at_its_end(rival.fit.model, entry)
                 or _beaten(search, best, rival, without, uncertain)):

@@ -147,6 +147,9 @@ class Effect:
     alike : tuple of str
         Effects that differ from this one by no more than formulas do from machines, so that a
         better fit does not tell them apart where it is small.
+    formula_error : float
+        Share of what it does by which a machine may be off its formula, where effects that are
+        alike are to be told apart.
     starts : tuple of dict of str to float
         Parameters from which a fit may start besides the typical ones: where the error has
         several valleys, one of them must lie in each.
@@ -171,6 +174,7 @@ class Effect:
     shows_in: tuple[str, ...] = ()
     also: tuple[tuple[str, Callable[..., float]], ...] = ()
     alike: tuple[str, ...] = ()
+    formula_error: float = 0.18
     starts: tuple[dict[str, float], ...] = ()
     searched: str = 'always'
 
