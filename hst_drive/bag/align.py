@@ -4,8 +4,8 @@
 Signals with stamps of their own, brought to one time base.
 
 The base is the stamps of the densest signal. The others are read between their samples as their
-channel is held (commands stay, analogue signals move on a straight line), never beyond their
-ends, and not across gaps.
+channel is held (commands stay, from the nearest stamp on; analogue signals move on a straight
+line), never beyond their ends, and not across gaps.
 """
 from __future__ import annotations
 
@@ -167,10 +167,13 @@ def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:
     own, values = signal.stamps[good], signal.values[good]
     if not len(own):
         return np.full(len(stamps), np.nan)
-    before = np.searchsorted(own, stamps, side='right') - 1
+    held = CHANNELS[signal.channel].hold == 'zero'
+    # A command that comes between two stamps acts from the nearer one on.
+    half = int(np.median(np.diff(stamps))) // 2 if held and len(stamps) > 1 else 0
+    before = np.searchsorted(own, stamps + half, side='right') - 1
     inside = before >= 0
     before = np.maximum(before, 0)
-    if CHANNELS[signal.channel].hold == 'zero':
+    if held:
         if len(own) == 1:
             return np.where(inside, values[0], np.nan)
         limit = GAP_PERIODS * np.percentile(np.diff(own), 90)

@@ -43,11 +43,21 @@ def test_a_short_gap_is_bridged():
 
 def test_a_command_sent_only_on_change_is_held():
     at = 10**18 + np.arange(0, 40000, 10, dtype=np.int64) * MS
-    found = sample(signal('speed_setpoint', [5, 12000, 30000], [1.0, 2.0, 3.0]), at)
+    found = sample(signal('speed_setpoint', [6, 12000, 30000], [1.0, 2.0, 3.0]), at)
     assert np.isnan(found[0])
     np.testing.assert_array_equal(np.unique(found[1:]), [1.0, 2.0, 3.0])
     assert found[-1] == 3.0
     assert sample(signal('speed_setpoint', [0], [7.0]), at)[-1] == 7.0
+
+
+def test_a_command_between_two_stamps_acts_from_the_nearer_one():
+    """Never more than half a period off; looked up at the stamps it was up to a whole one late."""
+    at = 10**18 + np.arange(0, 1000, 10, dtype=np.int64) * MS
+    for phase in (1, 3, 7, 9):
+        found = sample(signal('pprv_command', range(phase, 1000, 10), np.arange(100)), at)
+        acts = 10 * np.flatnonzero(np.diff(found) > 0) + 10     # where command 1, 2, ... begins
+        sent = 10 * found[acts // 10] + phase
+        assert np.abs(acts - sent).max() <= 5
 
 
 def test_a_command_that_stops_is_missing_from_then_on():

@@ -4,6 +4,7 @@
 from pathlib import Path
 
 from hst_drive.bag import read_log
+from hst_drive.bag.align import align, Signal
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
@@ -110,3 +111,16 @@ def test_commands_stamped_by_another_clock_are_moved(late):
 def test_missing_physics_is_not_taken_for_another_clock():
     run = record(6, duration=20.0, effects={'pump_lag': {'time_constant': 0.06}})
     assert compare(Drive(RIG), [run]).logs[0].shift == 0.0
+
+
+def test_a_command_that_is_stamped_between_the_rows_is_not_taken_for_physics():
+    """The load's command 3 ms after the readings, as in a bag of nodes: the errors stay."""
+    run = record(5)
+    stamps = 10**18 + np.round(run.time * 1e9).astype(np.int64)
+    found = []
+    for late in (0, 3_300_000):
+        read = align([Signal(name, stamps + late * (name == 'pprv_command'), values)
+                      for name, values in run.channels.items()], 'bag', 'bag')
+        found.append(compare(Drive(RIG), [read]).signals)
+    for name, entry in found[0].items():
+        assert found[1][name].noise_ratio == pytest.approx(entry.noise_ratio, rel=0.03), name
