@@ -31,7 +31,7 @@ EFFECTS = (None, 'motor_leakage', 'pump_leakage', 'viscous_drag', 'bearing_frict
 DATES = 5
 
 
-def make(folder: Path, first: int, last: int) -> Path:
+def make(folder: Path, first: int, last: int) -> None:
     """Write some campaigns: machine by machine, date by date."""
     for number in range(first, last):
         rig, date = divmod(number, DATES)
@@ -40,7 +40,6 @@ def make(folder: Path, first: int, last: int) -> Path:
                              duration=20.0, rate_hz=50.0, logs=('drilling', 'speed_sweep'),
                              keep_exact=False)
         write_campaign(made, folder / f'rig_{rig:04}' / f'2026-{date + 1:02}-01')
-    return folder
 
 
 def fleet(folder: Path, workers: int, kill: bool) -> tuple[float, list[dict]]:

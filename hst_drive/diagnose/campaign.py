@@ -193,10 +193,9 @@ class Campaign:
 
     def _layout(self) -> list[Column]:
         columns = []
-        for index, replay in enumerate(self.replays):
+        for index, (replay, part) in enumerate(zip(self.replays, self._weights)):
             for name in replay.signals:
                 valid = np.isfinite(replay.run[name])
-                part = self._weights[index]
                 floor = self.floors[index][name]
                 moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0),
                                                        1.5), replay.run.time)

@@ -41,13 +41,13 @@ def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
             rest = filled(replay.run[name] - given[name])
             rest = rest - replay.readings.slow(rest)
             power[name] += estimate_coloured(replay.run.time, rest, replay.noise[name]).std**2
-    elif replay.roughness.std > 0:
-        for shaken in replay.shaken(drive, seed, count):
-            for name, value in shaken.items():
-                power[name] += value
-        power[replay.torque] += replay.roughness.std**2
+    added: list[dict[str, float]] = []
+    if replay.can_correct and replay.roughness.std > 0:
+        added += [*replay.shaken(drive, seed, count), {replay.torque: replay.roughness.std**2}]
     if any(steps.guessed for steps in replay.steps.values()):
-        for name, value in _of_guesses(replay, drive, seed).items():
+        added.append(_of_guesses(replay, drive, seed))
+    for entry in added:
+        for name, value in entry.items():
             power[name] += value
     return {name: float(np.sqrt(value)) for name, value in power.items()}
 
