@@ -23,7 +23,6 @@ _SHORTEST = 1e-4        # s: no logger of a drive is faster
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word
-_CLOCK_SET = 1.0        # s; messages overtake one another by less
 _APART = 5.0            # two signals differ by so many times what each changes by
 
 
@@ -106,9 +105,8 @@ def in_order(signal: Signal, notes: list[str]) -> Signal:
         first = np.concatenate(([True], np.diff(stamps) > 0))
         if turned:
             back = -np.diff(signal.stamps).min() / 1e9
-            asked = '; was the clock set back?' if back > _CLOCK_SET else ''
             notes.append(f'{signal.channel}: {turned} messages came out of order (by up to '
-                         f'{back:.3g} s); sorted{asked}')
+                         f'{back:.3g} s); sorted')
         if not first.all():
             notes.append(f'{signal.channel}: {np.count_nonzero(~first)} messages with a repeated '
                          'stamp; the first of each kept')

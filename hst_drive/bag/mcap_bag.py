@@ -122,8 +122,9 @@ def cut_error(path: Path, shown: Path | None = None) -> InputError:
     if not found.messages:
         return InputError(f'{shown}: the bag was cut off (its end is missing) before the first '
                           'block of messages: nothing can be read; record it again')
-    return InputError(f'{shown}: the bag was cut off (its end is missing): {found.seconds:.1f} s '
-                      f'with {found.messages} messages can be read; save them with: '
+    return InputError(f'{shown}: the bag was cut off (its end is missing): at least '
+                      f'{found.seconds:.1f} s with {found.messages} messages can be read; save '
+                      'them with: '
                       f'{recover_command(shown)}')
 
 

@@ -42,9 +42,10 @@ DAMAGE = (DamagedError, McapError, struct.error, UnicodeDecodeError, MemoryError
 @dataclass
 class Stream:
     """
-    The messages of one topic: bytes, receive and publish times (ns), in file order.
+    The messages of one topic: bytes, receive and publish times (ns), as they were written.
 
-    Where a bag comes in blocks those of the last block; ``count`` is how many came so far.
+    ``order`` counts through all topics that are read. Where a bag comes in blocks those of the
+    last block; ``count`` is how many came so far.
     """
 
     topic: str
@@ -56,6 +57,7 @@ class Stream:
     data: list[bytes] = field(default_factory=list)
     log_time: list[int] = field(default_factory=list)
     publish_time: list[int] = field(default_factory=list)
+    order: list[int] = field(default_factory=list)
     count: int = 0
 
     def extend(self, other: Stream) -> None:
@@ -63,11 +65,12 @@ class Stream:
         self.data += other.data
         self.log_time += other.log_time
         self.publish_time += other.publish_time
+        self.order += other.order
         self.count += len(other.data)
 
     def emptied(self) -> Stream:
         """Return the same without the messages; the count stays."""
-        return replace(self, data=[], log_time=[], publish_time=[])
+        return replace(self, data=[], log_time=[], publish_time=[], order=[])
 
 
 def records(file: BinaryIO, offsets: list[int] | None, partial: bool = False,
@@ -113,6 +116,8 @@ class Collector:
     ----------
     messages : int
         How many are held.
+    taken : int
+        How many came so far.
 
     """
 
@@ -121,7 +126,7 @@ class Collector:
         self._schemas: dict[int, Schema] = {}
         self._streams: dict[int, Stream] = {}
         self._targets: dict[int, Stream] = {}
-        self.messages = 0
+        self.messages = self.taken = 0
 
     def block(self) -> list[Stream]:
         """Return the streams with what came since the last block."""
@@ -168,7 +173,9 @@ class Collector:
             stream.data.append(body[start + MESSAGE.size:end])
             stream.log_time.append(log_time)
             stream.publish_time.append(publish_time)
+            stream.order.append(self.taken)
             self.messages += 1
+            self.taken += 1
 
     def _split(self, data: bytes, partial: bool) -> None:
         at, size = 0, len(data)

@@ -3,11 +3,12 @@
 """Saving what is readable of a bag whose recorder was killed, or whose file was cut or damaged."""
 from __future__ import annotations
 
+from operator import itemgetter
 import os
 from pathlib import Path
 from typing import NamedTuple
 
-from hst_drive.bag.kinds import is_mcap
+from hst_drive.bag.kinds import by_number, is_mcap
 from hst_drive.bag.mcap_bag import salvage_streams
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.writer import BagWriter
@@ -49,33 +50,35 @@ def recover(path: str | os.PathLike[str], folder: str | os.PathLike[str]) -> Rec
 
     """
     path = Path(path)
-    files = sorted(path.glob('*.mcap')) if path.is_dir() else [path]
+    files = sorted(path.glob('*.mcap'), key=by_number) if path.is_dir() else [path]
     if not path.exists():
         raise InputError(f'{path}: no such file or folder')
     if not files or not all(map(is_mcap, files)):
         raise InputError(f'{path}: no MCAP file in it; only MCAP bags can be recovered')
-    rows: list[tuple[int, int, str, bytes]] = []
+    rows: list[tuple[tuple[int, int], int, int, str, bytes]] = []
     streams: dict[str, Stream] = {}
     damaged = 0
-    for file in files:
+    for number, file in enumerate(files):
         found, bad = salvage_streams(file)
         damaged += bad
         for stream in found:
             streams.setdefault(stream.topic, stream)
-            rows += [(log, sent, stream.topic, data) for log, sent, data in zip(
-                stream.log_time, stream.publish_time, stream.data)]
+            rows += [((number, place), log, sent, stream.topic, data)
+                     for place, log, sent, data in zip(stream.order, stream.log_time,
+                                                       stream.publish_time, stream.data)]
     if not rows:
         raise InputError(f'{path}: not a single message can be read')
-    rows.sort(key=lambda row: row[0])
+    rows.sort(key=itemgetter(0))    # as written: stamps say less if the clock was set back
     with BagWriter(folder) as bag:
         for stream in streams.values():
             bag.add_topic(stream.topic, stream.type, stream.definition,
                           stream.metadata.get('topic_type_hash', ''),
                           _with_names(stream.metadata.get('offered_qos_profiles', '')),
                           stream.schema_encoding)
-        for log, sent, topic, data in rows:
+        for _, log, sent, topic, data in rows:
             bag.write(topic, data, log, sent)
-    return Recovered(len(rows), (rows[-1][0] - rows[0][0]) / 1e9, len(streams), damaged)
+    times = [log for _, log, *_ in rows]
+    return Recovered(len(rows), (max(times) - min(times)) / 1e9, len(streams), damaged)
 
 
 def _with_names(text: str) -> str:

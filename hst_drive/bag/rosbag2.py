@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.kinds import is_mcap
+from hst_drive.bag.kinds import by_number, is_mcap
 from hst_drive.bag.mcap_bag import BLOCK, cut_error, is_finished, read_streams
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.errors import InputError
@@ -37,7 +37,7 @@ def bag_files(path: Path, notes: list[str]) -> list[Path]:
     if metadata.is_file():
         return _listed_files(path, _read_metadata(metadata))
     for pattern in ('*.mcap', '*.db3', '*.zstd'):
-        found = sorted(path.glob(pattern))
+        found = sorted(path.glob(pattern), key=by_number)
         if found:
             notes.append('metadata.yaml is missing; read the files in the folder')
             return found
@@ -60,8 +60,10 @@ def bag_blocks(path: Path, wanted: Callable[[str], bool],
 
     """
     joined: dict[tuple[str, str], Stream] = {}
+    read = 0
     packed = _compressed_messages(path)
     for file in bag_files(path, notes):
+        before = read
         with _unpacked(file) as plain:
             blocks = _read_file(plain, wanted, path)
             while True:
@@ -75,6 +77,8 @@ def bag_blocks(path: Path, wanted: Callable[[str], bool],
                     _unpack_messages(streams, path)
                 joined = {key: stream.emptied() for key, stream in joined.items()}
                 for stream in streams:
+                    stream.order = [before + place for place in stream.order]
+                    read += len(stream.order)
                     joined.setdefault((stream.topic, stream.type),
                                       stream.emptied()).extend(stream)
                 yield list(joined.values())
@@ -183,6 +187,7 @@ def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> Iterator[
     ids = [number for number, stream in streams.items() if wanted(stream.topic)]
     rows = base.execute('SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN '
                         f'({", ".join("?" * len(ids))}) ORDER BY id', ids)
+    taken = 0
     while block := rows.fetchmany(BLOCK):
         streams = {number: stream.emptied() for number, stream in streams.items()}
         for number, at, data in block:
@@ -192,5 +197,7 @@ def _query(base: sqlite3.Connection, wanted: Callable[[str], bool]) -> Iterator[
             stream.data.append(data)
             stream.log_time.append(at)
             stream.publish_time.append(at)
+            stream.order.append(taken)
+            taken += 1
         yield list(streams.values())
     yield [stream.emptied() for stream in streams.values()]

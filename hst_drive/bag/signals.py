@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hst_drive.bag.align import align, Signal
 from hst_drive.bag.channels import ChannelMap
+from hst_drive.bag.clock import set_forward_again, Written
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond
 from hst_drive.bag.rosbag2 import bag_blocks
@@ -125,6 +126,8 @@ class BagSignals:
                 pick for pick in wanted if pick.entry.channel in self._only
                 and (pick.path in topic.seen or not _may_be_empty(pick))]))
         stamps = _common_clock([topic for topic, _ in chosen], self.notes)
+        stamps = set_forward_again([Written(topic.order, times) for (topic, _), times
+                                    in zip(chosen, stamps)], self.notes)
         signals = [_signal(topic, pick, at) for (topic, wanted), at in zip(chosen, stamps)
                    for pick in wanted]
         if not signals:

@@ -15,6 +15,7 @@ import numpy as np
 _SEC, _NANOSEC = 'header.stamp.sec', 'header.stamp.nanosec'
 _FIRST = 200
 _PUBLISHED = 'published'
+_ORDER = 'order'
 
 
 class TopicNumbers:
@@ -75,6 +76,7 @@ class TopicNumbers:
                              f'{stream.type} ({error})') from None
         found[_PUBLISHED] = np.array(stream.publish_time if any(stream.publish_time)
                                      else stream.log_time, dtype=np.int64)
+        found[_ORDER] = np.array(stream.order, dtype=np.int64)
         if self.stamped:
             found[_SEC] = (found[_SEC].astype(np.int64) * 1_000_000_000
                            + found.pop(_NANOSEC).astype(np.int64))
@@ -91,6 +93,11 @@ class TopicNumbers:
     def published(self) -> np.ndarray:
         """When the messages were sent, ns."""
         return self._whole(_PUBLISHED)
+
+    @property
+    def order(self) -> np.ndarray:
+        """The messages' places among all that were read, as they were written."""
+        return self._whole(_ORDER)
 
     def numbers(self, path: str) -> np.ndarray:
         """Return the numbers, NaN where a message holds none."""

@@ -139,7 +139,7 @@ def test_two_publishers_on_a_topic_are_told(tmp_path):
     assert not any('two publishers' in note for note in plain.notes)
 
 
-def test_a_clock_that_was_set_back_is_told(tmp_path):
+def test_a_clock_that_was_set_back_is_told_and_put_right(tmp_path):
     header, time = kind('std_msgs/Header'), kind('builtin_interfaces/Time')
     found = []
     for i in range(COUNT):
@@ -149,7 +149,9 @@ def test_a_clock_that_was_set_back_is_told(tmp_path):
     run = read_log(write(tmp_path / 'bag', found), parse_channel_map(
         {'channels': {'pump_outlet_pressure': '/p1.fluid_pressure'}}, 'm'))
     assert len(run) == COUNT
-    assert any('3.6e+03 s' in note and 'clock set back' in note for note in run.notes)
+    np.testing.assert_allclose(np.diff(run['pump_outlet_pressure']), 1.0, atol=1e-6)
+    np.testing.assert_allclose(np.diff(run.time), STEP / 1e9, atol=1e-9)
+    assert [note for note in run.notes if 'set back by 3.6e+03 s' in note] == list(run.notes)
 
 
 @pytest.mark.parametrize('source, said', [

@@ -8,7 +8,8 @@ import struct
 import subprocess
 import sys
 
-from hst_drive.bag import read_log, recover, write_run
+from hst_drive.bag import BagWriter, read_log, recover, write_run
+from hst_drive.bag.mcap_bag import salvage_streams
 from hst_drive.errors import InputError
 from hypothesis import given, settings, strategies as st
 import numpy as np
@@ -134,3 +135,25 @@ def test_a_chunk_that_claims_more_than_there_can_be(tmp_path, length):
     with pytest.raises(InputError, match='a record goes beyond its file.*hst-drive recover'):
         read_log(tmp_path / 'claims.mcap')
     assert recover(tmp_path / 'claims.mcap', tmp_path / 'saved').messages > 0
+
+
+def test_what_is_saved_keeps_the_order_in_which_it_was_written(tmp_path):
+    """So that a clock that was set back is still seen."""
+    run = make_run(600)
+    write_run(tmp_path / 'b', run)
+    path = tmp_path / 'b' / 'b_0.mcap'
+    with BagWriter(tmp_path / 'set') as bag:
+        for stream in salvage_streams(path)[0]:
+            bag.add_topic(stream.topic, stream.type, stream.definition)
+        rows = sorted((log, stream.topic, data) for stream in salvage_streams(path)[0]
+                      for log, data in zip(stream.log_time, stream.data))
+        middle = rows[len(rows) // 2][0]
+        for log, topic, data in rows:
+            lost = 3 * 10**9 if log >= middle else 0
+            sec = int.from_bytes(data[4:8], 'little') - lost // 10**9
+            bag.write(topic, data[:4] + sec.to_bytes(4, 'little') + data[8:], log - lost)
+    recover(tmp_path / 'set', tmp_path / 'saved')
+    for name in ('set', 'saved'):
+        back = read_log(tmp_path / name)
+        assert any('set back by 3 s' in note for note in back.notes)
+        np.testing.assert_allclose(back['motor_speed'], run['motor_speed'], rtol=1e-12)

@@ -1,0 +1,110 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A clock that was set back while a bag was recorded.
+
+The stamps then run over the same stretch twice, and sorting would mix what was hours or
+milliseconds apart. The order in which the messages were written shows where it happened.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+_WINDOW = 10        # messages on either side of a step
+_LEAST = 1.5        # periods; less is jitter
+_MOST = 5           # steps; more are messages that came out of order, or two sources
+_TRIED = 100        # bursts of late messages to look into
+_COVERED = 0.5      # of the messages after a step there must be earlier ones at the same stamps
+
+
+class Written(NamedTuple):
+    """The messages of one topic as written: their places in the whole bag and stamps (ns)."""
+
+    order: np.ndarray
+    stamps: np.ndarray
+
+
+class Step(NamedTuple):
+    """The clock lost ``lost`` (ns) before the message at place ``order`` of the bag."""
+
+    order: int
+    lost: int
+
+
+def set_forward_again(topics: Sequence[Written], notes: list[str]) -> list[np.ndarray]:
+    """Return the stamps of all topics on a clock that goes on where it was set back."""
+    if not topics:
+        return []
+    place = max(range(len(topics)), key=lambda index: len(topics[index].stamps))
+    base = topics[place]
+    for step in steps_back(base):
+        topics = [Written(topic.order, _moved(topic, base, step)) for topic in topics]
+        base = topics[place]
+        after = base.stamps[np.searchsorted(base.order, step.order)] - base.stamps[0]
+        notes.append(f'the clock was set back by {step.lost / 1e9:.3g} s after '
+                     f'{after / 1e9:.4g} s; what was written later is put behind what was '
+                     'written before')
+    return [topic.stamps for topic in topics]
+
+
+def steps_back(topic: Written) -> list[Step]:
+    """
+    Return where the clock was set back.
+
+    A message that came late is followed by messages at the old pace, and a burst of late ones
+    fills a hole that they had left; after a step all go on at the usual pace from an
+    earlier time, one that there have been messages of before.
+    """
+    times = topic.stamps.copy()
+    gaps = np.diff(times)
+    if len(gaps) < 2 * _WINDOW or (gaps >= 0).all():
+        return []
+    period = float(np.median(np.abs(gaps)))
+    found: list[Step] = []
+    tried = 0
+    for place in np.flatnonzero(gaps < -0.5 * period):
+        before = times[max(place + 1 - _WINDOW, 0):place + 1]
+        after = times[place + 1:place + 1 + _WINDOW]
+        if min(len(before), len(after)) < _WINDOW // 2:
+            continue
+        due = before[0] + period * len(before) + np.median(
+            before - before[0] - period * np.arange(len(before)))
+        came = after[0] + np.median(after - after[0] - period * np.arange(len(after)))
+        lost = round(due - came)
+        if lost < _LEAST * period:
+            continue
+        tried += 1
+        if tried > _TRIED or len(found) > _MOST:
+            return []
+        if _again(times[:place + 1], after, period):
+            found.append(Step(int(topic.order[place + 1]), lost))
+            times[place + 1:] += lost
+    return found if len(found) <= _MOST else []
+
+
+def _again(earlier: np.ndarray, after: np.ndarray, period: float) -> bool:
+    """Tell whether stamps lie where there were some before, or before all of them."""
+    if after.max() < earlier.min():
+        return True
+    after = after[after <= earlier.max()]
+    near = np.abs(earlier[:, None] - after[None, :]).min(axis=0) <= period
+    return float(np.mean(near)) > _COVERED
+
+
+def _moved(topic: Written, base: Written, step: Step) -> np.ndarray:
+    """Return the stamps of a topic with those after a step set forward."""
+    after = topic.order >= step.order
+    # What was stamped before the step may have been written after it, and the other way round:
+    # close to it the clock that fits the base's time counts.
+    first = int(np.searchsorted(base.order, step.order))
+    near = slice(max(first - _WINDOW, 0), first + _WINDOW)
+    order = base.order[near]
+    true = base.stamps[near] + np.where(order >= step.order, step.lost, 0)
+    close = (topic.order >= order[0]) & (topic.order <= order[-1])
+    meant = np.interp(topic.order[close], order, true - true[0]) + true[0]
+    off = topic.stamps[close] - meant
+    after[close] = np.abs(off + step.lost) < np.abs(off)
+    return topic.stamps + np.where(after, step.lost, 0)
