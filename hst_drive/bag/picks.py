@@ -61,8 +61,9 @@ def all_picks(streams: Sequence[Stream], channel_map: ChannelMap, source: str,
         stream, pick = mapped_pick(entry, streams, channel_map.source)
         picks.setdefault((stream.topic, stream.type), (stream, []))[1].append(pick)
     if not any(stream.count for stream, _ in picks.values()):
+        where = f' under namespace {channel_map.namespace}' if channel_map.namespace else ''
         raise InputError(f'{source}: none of our topics {"has messages" if picks else "is"} in '
-                         f'this bag. It holds: {_list(streams)}. Name the ones to use in a '
+                         f'this bag{where}. It holds: {_list(streams)}. Name the ones to use in a '
                          'channel map: --channels MAP.yaml')
     return picks
 

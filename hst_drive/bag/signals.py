@@ -13,7 +13,7 @@ from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond
 from hst_drive.bag.rosbag2 import bag_blocks
 from hst_drive.bag.topic_numbers import TopicNumbers
-from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, TOPICS
+from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, first_of_several, TOPICS
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
@@ -119,6 +119,9 @@ class BagSignals:
             if topic is None:
                 self.notes.append(f'{stream.topic}: no messages')
                 continue
+            if several := first_of_several(topic.codec.arrays(topic.first[0]), [
+                    pick.path for pick in wanted if not pick.entry.source]):
+                self.notes.append(f'{topic.topic}: {several}')
             for pick in wanted:
                 if pick.entry.source and pick.path not in topic.seen:
                     refuse_beyond(pick, topic, self._map.source)

@@ -25,9 +25,11 @@ FAULTS = {
     'setpoint_lost': 'no set point',
     'setpoint_invalid': 'the set point is not a number in its range',
     'command_invalid': 'the command is not a number within its limits',
+    'shutdown': 'the controller is being ended',
 }
 """What each fault means."""
 WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
+_FAST = 'emergency_stop', 'shutdown'    # the short ramp
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
 
 
@@ -83,7 +85,7 @@ class Fault(NamedTuple):
     time: float
 
     def __str__(self) -> str:
-        return f'{self.kind}: {FAULTS[self.kind]} ({self.found})'
+        return f'{self.kind}: {FAULTS[self.kind]}' + (f' ({self.found})' if self.found else '')
 
 
 class Supervisor:
@@ -122,11 +124,16 @@ class Supervisor:
         self._ramped_at: float | None = None
 
     @property
+    def missing(self) -> tuple[bool, bool]:
+        """Whether the first usable reading, and the first wish, are still to come."""
+        return self._usable_at is None, self._wanted_at is None
+
+    @property
     def state(self) -> str:
         """'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'."""
         if self.fault:
             return STOPPING if self.command > 0.0 else STOPPED
-        return WAITING if None in (self._usable_at, self._wanted_at) else RUNNING
+        return WAITING if any(self.missing) else RUNNING
 
     def feedback(self, now: float, stamp: float, value: float, clock: float | None = None) -> bool:
         """
@@ -165,8 +172,9 @@ class Supervisor:
         if stamp <= before:
             return 'feedback_time', f'{stamp:.3f} s after {before:.3f} s'
         if clock is not None and 0.0 < settings.stamp_tolerance < abs(clock - stamp):
-            return 'feedback_time', (f'{abs(clock - stamp):.3g} s '
-                                     f'{"old" if stamp < clock else "in the future"}')
+            return 'feedback_time', (
+                f'{abs(clock - stamp):.3g} s {"old" if stamp < clock else "in the future"}'
+                + ('' if clock else ': the clock stands at 0; does anybody publish /clock?'))
         if abs(value) > settings.speed_limit:
             return 'feedback_out_of_range', f'{value:.4g} rad/s, limit {settings.speed_limit:g}'
         last = self._value
@@ -202,6 +210,11 @@ class Supervisor:
         else:
             self._pressed.discard(source)
 
+    def end(self, now: float) -> None:
+        """Go to 0 V for good, as after an emergency stop."""
+        if self.fault is None or self.fault.kind not in _FAST:
+            self.fault = Fault('shutdown', '', now)
+
     def formed(self, now: float, command: float) -> bool:
         """Judge what the law has made as a command (V); return whether it may be sent."""
         if not self.limits[0] <= command <= self.limits[1]:
@@ -226,7 +239,7 @@ class Supervisor:
 
     def _trip(self, kind: str, found: str, now: float) -> None:
         # A first fault is the one to tell; only an emergency stop outranks it: it is faster.
-        if self.fault is None or (kind == 'emergency_stop' != self.fault.kind):
+        if self.fault is None or (kind == 'emergency_stop' and self.fault.kind not in _FAST):
             self.fault = Fault(kind, found, now)
 
     def ramp(self, now: float, command: float) -> float:
@@ -244,7 +257,7 @@ class Supervisor:
         if self._ramped_at is None:
             self._ramped_at, self.command = min(self.fault.time, now), max(0.0, command)
         settings = self.settings
-        time = (settings.emergency_stop_time if self.fault.kind == 'emergency_stop'
+        time = (settings.emergency_stop_time if self.fault.kind in _FAST
                 else settings.stop_time)
         fall = self.limits[1] / time * max(0.0, now - self._ramped_at)
         self._ramped_at = max(now, self._ramped_at)

@@ -16,7 +16,7 @@ from hst_drive.bag.topics import NAMESPACE
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.endpoints import Input, Output, topic_named
-from hst_drive.nodes.parameters import COMMON, declare, Parameter
+from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
 from hst_drive.nodes.session import PARENT
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -27,12 +27,15 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
 
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 _AGAIN = 0.5    # s; from one word that we are ready to the next
 _TURN = 0.1     # s; how soon a signal is seen while no message comes
 _PLACE = re.compile(r', at \S+:\d+')    # in rcl's own source
+_WRONG_TYPE = re.compile(
+    r"Trying to set parameter '(\S+)' to '(.*)' of type '(\w+)', expecting type '(\w+)'.*")
 _CALL = 60.0    # s; of one call of the executor
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 
@@ -55,6 +58,8 @@ class DriveNode(Node):
     def __init__(self):
         super().__init__(self.role, namespace=NAMESPACE.strip('/'))
         self.settings = declare(self, COMMON + self.parameters)
+        for line in undeclared(self):
+            self.get_logger().warning(line)
         self.partners: list[str] = self.settings['partners']
         self.lockstep: bool = self.settings['lockstep']
         self.taken: tuple[str, ...] = ()
@@ -190,6 +195,16 @@ def cannot_start(text: str) -> str:
     return f'RCLError: {reason}: {advice}'
 
 
+def _is_managed(args: list[str]) -> bool:
+    """Return whether the node waits for transitions; refuse other arguments than ROS's."""
+    own = remove_ros_args(args)[1:]
+    unknown = [arg for arg in own if arg != '--managed']
+    if unknown:
+        raise InputError(f"unknown argument '{unknown[0]}'; a node takes --managed, and its "
+                         'parameters as --ros-args -p NAME:=VALUE')
+    return bool(own)
+
+
 def _work(executor, node: DriveNode, signals: list[int]) -> None:
     """
     Let a node work until it stops or a signal comes.
@@ -220,7 +235,8 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
     """
     Run a node until it ends, is told to (SIGINT, SIGTERM) or fails.
 
-    With ``--managed`` among the arguments it waits for the transitions of the lifecycle.
+    ``args`` are as in ``sys.argv``, the program first. With ``--managed`` among them the node
+    waits for the transitions of the lifecycle.
 
     Returns
     -------
@@ -239,7 +255,7 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         # Said of a node that could not start, before the reason itself.
         warnings.filterwarnings('ignore', 'Failed to fini', RuntimeWarning)
-        if '--managed' in (sys.argv if args is None else args):
+        if _is_managed(sys.argv if args is None else args):
             from hst_drive.nodes.lifecycle import managed
             node = managed(node_class)()
         else:
@@ -257,7 +273,8 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         pass
     except (InputError, ParameterException, InvalidParameterTypeException,
             InvalidParameterValueException) as error:
-        print(f'{node_class.role}: {error}', file=sys.stderr, flush=True)
+        told = _WRONG_TYPE.sub(r'parameter \1 is \2 (\3), expected \4', str(error))
+        print(f'{node_class.role}: {told}', file=sys.stderr, flush=True)
         code = 2
     except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError) as error:
         if executor is not None:

@@ -8,7 +8,7 @@ import sys
 import time
 
 from hst_drive.control import PiController, SafetySettings, Supervisor
-from hst_drive.control.safety import RUNNING, STOPPED, WAITING
+from hst_drive.control.safety import RUNNING, STOPPED
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync
 from hst_drive.nodes.base import DriveNode, main as run_node
@@ -122,7 +122,7 @@ class Controller(DriveNode):
         # In a simulated run the plant ends at the same time.
         if self.lockstep or self.partners or not self._command > 0.0:
             return
-        self._watch.press('end of the controller', True, self._seconds())
+        self._watch.end(self._seconds())
         while self._command > 0.0:
             self._follow_ramp(self.now())
             time.sleep(min(self.settings['sample_time'], 0.02))
@@ -236,20 +236,35 @@ class Controller(DriveNode):
         """Say on /diagnostics how it stands."""
         watch, fault = self._watch, self._watch.fault
         told, self._told = self._told, str(fault) + watch.state
-        if fault and self._told != told:
+        ended = fault is not None and fault.kind == 'shutdown'
+        if fault and self._told != told and not ended:
             self.get_logger().error(f'{fault}; {watch.state}')
-        message = {RUNNING: 'running', WAITING: 'waiting for reading and set point'}.get(
-            watch.state, f'{watch.state}: {fault}; reset it with ~/reset')
-        against = watch.causes(self._seconds(self._stamp())) if fault else ()
+        writers = 1 if self.lockstep else self.count_publishers(
+            self.resolve_topic_name('pump_command'))
+        if fault:
+            message = f'{watch.state}: {fault}' + ('' if ended else '; reset it with ~/reset')
+        else:
+            message = self._waits() or 'running'
+            if writers > 1:
+                message += f'; {writers} nodes publish pump_command: only one may'
+        against = watch.causes(self._seconds(self._stamp())) if fault and not ended else ()
         self._diagnostics.publish(
             self._stamp() if stamp is None else stamp,
             f'{self.get_fully_qualified_name()}: safety',
-            ERROR if fault else OK if watch.state == RUNNING else WARN, message, {
+            WARN if ended else ERROR if fault else
+            OK if watch.state == RUNNING and writers <= 1 else WARN, message, {
                 'state': watch.state, 'fault': fault.kind if fault else '',
                 'found': fault.found if fault else '', 'against_reset': ', '.join(against),
                 'command_v': f'{self._command:.4g}',
                 'at_zero': str(watch.state == STOPPED).lower(),
+                'publishers_of_pump_command': writers,
                 'readings_passed_over': watch.passed_over})
+
+    def _waits(self) -> str:
+        """Return for which topics it still waits, and what is there of them; '' if for none."""
+        topics = [self.inputs[name] for name, absent in zip(('motor', self._wanted),
+                                                            self._watch.missing) if absent]
+        return topics and 'waiting for ' + ', '.join(entry.found() for entry in topics) or ''
 
     def _due(self, read_at: int) -> int:
         """Return the grid time of this sample, so that slack does not add up."""

@@ -10,8 +10,8 @@ import struct
 
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import (ATMOSPHERE, Field, FLUID_PRESSURE, JOINT_STATE, Qos, TEMPERATURE,
-                                  Topic, TOPICS, TRUTH)
+from hst_drive.bag.topics import (ATMOSPHERE, Field, first_of_several, FLUID_PRESSURE, JOINT_STATE,
+                                  Qos, TEMPERATURE, Topic, TOPICS, TRUTH)
 from hst_drive.units import canonical, UNITS
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -161,6 +161,7 @@ class Input:
         self._paths = [field.path for field in topic.fields]
         self._scales = [_scale(field) for field in topic.fields]
         self._layout: Layout | None = None
+        self._node = node
         self._log = node.get_logger()
         self.subscription = node.create_subscription(
             message_class(topic.type), topic.name, self._received, qos_profile(topic.qos),
@@ -170,6 +171,8 @@ class Input:
         try:
             if self._layout is None or not self._layout.fits(data):
                 self._layout = Layout(self._codec, data, self._paths)
+                if several := first_of_several(self._codec.arrays(data), self._paths):
+                    self._log.warning(f'{self.topic.name}: {several}', once=True)
             values = self._layout.read(data)
         except MalformedError as error:
             self._log.warning(f'{self.topic.name}: {error}', throttle_duration_sec=5.0)
@@ -181,3 +184,14 @@ class Input:
     def connected(self) -> bool:
         """Return whether a publisher is matched."""
         return self.subscription.get_publisher_count() > 0
+
+    def found(self) -> str:
+        """Return the topic's name and what is there of its publishers."""
+        name = self.subscription.topic_name
+        matched = self.subscription.get_publisher_count()
+        if matched:
+            return f'{name} (it has a publisher, but no usable message came)'
+        if self._node.count_publishers(name):
+            return (f'{name} (its publisher does not fit: compare type and quality of service, '
+                    f'ros2 topic info -v {name})')
+        return f'{name} (nobody publishes it)'

@@ -3,6 +3,7 @@
 """Parameters of a node from one declaration: default, description, unit, range."""
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -56,6 +57,21 @@ def declare(node, parameters: tuple[Parameter, ...]) -> dict[str, Any]:
         value = node.declare_parameter(parameter.name, default, parameter.descriptor()).value
         values[parameter.name] = [text for text in value if text] if listed else value
     return values
+
+
+def undeclared(node) -> list[str]:
+    """Return a line for each parameter that was given but is none of the node's."""
+    names = [name for name in node.get_parameters_by_prefix('')
+             if not name.startswith('qos_overrides')]
+    lines = []
+    # rclpy has no public way to ask what was given.
+    for name in getattr(node, '_parameter_overrides', {}):
+        if not node.has_parameter(name) and not name.startswith('qos_overrides.'):
+            near = get_close_matches(name, names, n=1)
+            lines.append(f"parameter '{name}' is none of this node's and is not used; "
+                         + (f"did you mean '{near[0]}'?" if near else
+                            f'it has {", ".join(sorted(names))}'))
+    return lines
 
 
 COMMON = (

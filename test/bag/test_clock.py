@@ -10,9 +10,8 @@ MS = 1_000_000
 PERIOD = 10 * MS
 
 
-
 def topics(steps, seed, jitter=0.1):
-    """A dense topic, one at half the rate, and one with four messages, as (true, Written)."""
+    """Return a dense topic, one at half the rate, one of four messages: (true, Written)."""
     random = np.random.default_rng(seed)
     parts = []
     for number, period in enumerate((PERIOD, 2 * PERIOD, 400 * PERIOD)):

@@ -154,6 +154,27 @@ def test_a_clock_that_was_set_back_is_told_and_put_right(tmp_path):
     assert [note for note in run.notes if 'set back by 3.6e+03 s' in note] == list(run.notes)
 
 
+def test_of_several_joints_the_first_is_read_and_told(tmp_path):
+    header, time = kind('std_msgs/Header'), kind('builtin_interfaces/Time')
+    found = []
+    for i in range(COUNT):
+        at = 10**18 + i * STEP
+        found.append(('/rig/motor', 'sensor_msgs/JointState', at, kind('sensor_msgs/JointState')(
+            header(time(at // 10**9, at % 10**9), ''), ['drill', 'winch'],
+            np.zeros(2), np.array([i, 7.0]), np.zeros(2))))
+    folder = write(tmp_path / 'bag', found)
+    run = read_log(folder)
+    np.testing.assert_allclose(run['motor_speed'], np.arange(COUNT))
+    assert any('/rig/motor: velocity has 2 elements (drill, winch)' in note for note in run.notes)
+    picked = read_log(folder, parse_channel_map(
+        {'channels': {'motor_speed': '/rig/motor.velocity[winch]',
+                      'load_torque': '/rig/motor.effort[winch]'}}, 'm'))
+    assert (picked['motor_speed'] == 7.0).all()
+    assert not any('elements' in note for note in picked.notes)
+    with pytest.raises(InputError, match='under namespace /other. It holds: /rig/motor'):
+        read_log(folder, parse_channel_map({'namespace': '/other'}, 'm'))
+
+
 @pytest.mark.parametrize('source, said', [
     ('/diagnostics.status[rig: torque sensor].values[x]', 'shaft torque'),
     ('/diagnostics.status[0]', 'expected status[NAME].values[KEY]'),

@@ -218,12 +218,40 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
             assert machine.reset(manual=6.0).success
             machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
         machine.until(lambda: machine.commands[-1][1] == 0.0, wish=None, manual=6.0)
+        machine.until(lambda: machine.told['state'] == 'stopped', wish=None, manual=6.0)
+        assert machine.told['level'] == b'\1' and machine.told['fault'] == 'shutdown'
         machine.stop.publish(Bool(data=True))
         with node('controller', *apart):
             machine.told = {}
             # It may have commanded while discovery was under way: that goes down the ramp.
             machine.until(lambda: machine.told.get('fault') == 'emergency_stop'
                           and machine.commands[-1][1] == 0.0)
+    finally:
+        machine.node.destroy_node()
+        rclpy.shutdown(context=machine.context)
+
+
+def test_it_says_what_it_waits_for_and_who_else_commands():
+    from geometry_msgs.msg import Vector3Stamped
+    from rclpy.qos import QoSProfile, ReliabilityPolicy
+    machine = Machine('third')
+    try:
+        with node('controller', '-r', '__ns:=/third', *TIMES):
+            machine.until(lambda: '/third/speed_setpoint (it has a publisher, but no' in
+                          machine.told.get('message', ''), wish=None)
+            machine.until(lambda: machine.told['message'] == 'running')
+            second = machine.node.create_publisher(Vector3Stamped, 'pump_command', 10)
+            machine.until(lambda: '2 nodes publish pump_command' in machine.told['message'])
+            assert machine.told['level'] == b'\1'
+            machine.node.destroy_publisher(second)
+            machine.until(lambda: machine.told['message'] == 'running')
+        machine.node.destroy_publisher(machine.setpoint)
+        machine.setpoint = machine.node.create_publisher(
+            Vector3Stamped, 'speed_setpoint',
+            QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
+        with node('controller', '-r', '__ns:=/third', *TIMES):
+            machine.until(lambda: '/third/speed_setpoint (its publisher does not fit' in
+                          machine.told['message'])
     finally:
         machine.node.destroy_node()
         rclpy.shutdown(context=machine.context)

@@ -6,12 +6,13 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 
 from hst_drive.errors import InputError
 from hst_drive.nodes.session import environment as environment_of_run, free_domain
 import pytest
 
-from .processes import environment, PATIENCE
+from .processes import environment, node, PATIENCE
 
 pytest.importorskip('rclpy')
 CALLS = """
@@ -105,3 +106,22 @@ def test_a_node_asks_its_executor_seldom():
                           capture_output=True, text=True)
     code, calls = map(int, done.stdout.split())
     assert code == 0 and 1 <= calls <= 3, done.stderr
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['--managd'], ("'--managd'", '--managed', '--ros-args')),
+    (['--ros-args', '-p', 'kp:=1'], ('parameter kp is 1 (INTEGER), expected DOUBLE',))])
+def test_wrong_arguments_are_one_line(arguments, words):
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.controller', *arguments], timeout=PATIENCE,
+        env=environment(), capture_output=True, text=True)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert all(word in done.stderr for word in words), done.stderr
+
+
+def test_a_parameter_that_a_node_does_not_have_is_told():
+    with node('controller', '-p', 'stop_tme:=2.0', '-p',
+              'qos_overrides./parameter_events.publisher.depth:=5') as process:
+        time.sleep(2.0)
+    assert "'stop_tme' is none of this node's" in process.err
+    assert "did you mean 'stop_time'" in process.err and 'qos_overrides' not in process.err
