@@ -24,11 +24,10 @@ from tempfile import TemporaryDirectory
 import time
 import warnings
 
-from hst_drive.bag import ChannelMap, read_log, recover, write_csv, write_run
+from hst_drive.bag import ChannelMap, cut_log, read_log, recover, write_csv, write_run
 from hst_drive.bag.bench_table import read_points
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import load_channel_map, parse_channel_map
-from hst_drive.bag.csv_sections import csv_sections
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.diagnostic_values import read_values
 from hst_drive.errors import InputError
@@ -111,8 +110,9 @@ class Cases:
             {'channels': {'load_torque': {'from': 'motor_speed', 'unit': 'N.m'}}})))
         self._bytes('mcap', '.mcap', [mcap], read_log)
         self._bytes('sqlite', '.db3', [self._sqlite(folder / 'bag.db3')], read_log)
-        self._bytes('csv_sections', '.csv', [csv], lambda path: list(
-            csv_sections(path, ChannelMap(), 0.15, 0.05, 0.02)))
+        for name, suffix, whole in (('csv', '.csv', csv), ('bag', '.mcap', mcap)):
+            self._bytes(f'{name}_sections', suffix, [whole], lambda path: list(
+                cut_log(path, ChannelMap(), 0.15, 0.05, 0.02)))
         self._bytes('recover', '.mcap', [mcap, mcap[:-900]], self._recover)
         self._bytes('metadata', '.yaml', [metadata], self._with_metadata(mcap))
         self._bytes('rig_text', '.yaml', [rig], load_rig)

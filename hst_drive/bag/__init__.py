@@ -8,20 +8,23 @@ library, and the nodes and CSV files do without it.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from importlib import import_module
 import os
 from pathlib import Path
 
 from hst_drive.bag.channels import ChannelMap, load_channel_map
 from hst_drive.bag.csv_log import read_csv, write_csv
+from hst_drive.bag.csv_sections import csv_sections, Section
 from hst_drive.bag.kinds import is_mcap
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
-__all__ = ['BagWriter', 'ChannelMap', 'load_channel_map', 'read_bag', 'read_csv', 'read_log',
-           'recover', 'recover_command', 'write_csv', 'write_run']
+__all__ = ['BagWriter', 'ChannelMap', 'Section', 'bag_sections', 'csv_sections', 'cut_log',
+           'is_bag', 'load_channel_map', 'read_bag', 'read_csv', 'read_log', 'recover',
+           'recover_command', 'write_csv', 'write_run']
 _ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
-           'recover': 'recovery', 'recover_command': 'mcap_bag'}
+           'bag_sections': 'long_bag', 'recover': 'recovery', 'recover_command': 'mcap_bag'}
 
 
 def __getattr__(name: str):
@@ -54,15 +57,35 @@ def read_log(path: str | os.PathLike[str],
         If it cannot be used; one line that says why and what to do.
 
     """
-    path = Path(path)
     if channel_map is None:
         channel_map = ChannelMap()
     elif not isinstance(channel_map, ChannelMap):
         channel_map = load_channel_map(channel_map)
+    if is_bag(path):
+        return __getattr__('read_bag')(Path(path), channel_map)
+    return read_csv(path, channel_map)
+
+
+def cut_log(path: str | os.PathLike[str], channel_map: ChannelMap, seconds: float, before: float,
+            after: float) -> Iterator[Section]:
+    """Yield a recording in sections, whatever its form; ``csv_sections`` says more."""
+    cut = __getattr__('bag_sections') if is_bag(path) else csv_sections
+    return cut(path, channel_map, seconds, before, after)
+
+
+def is_bag(path: str | os.PathLike[str]) -> bool:
+    """
+    Tell a bag from a CSV file.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to read.
+
+    """
+    path = Path(path)
     try:
-        if path.is_dir() or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size \
-                or is_mcap(path):
-            return __getattr__('read_bag')(path, channel_map)
+        return (path.is_dir() or is_mcap(path)
+                or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size > 0)
     except OSError as error:
         raise InputError(f'{path}: cannot be read: {error.strerror}') from None
-    return read_csv(path, channel_map)

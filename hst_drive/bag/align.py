@@ -100,13 +100,9 @@ def in_order(signal: Signal, notes: list[str]) -> Signal:
     stamps, values = signal.stamps, signal.values
     if len(stamps) and not np.all(np.diff(stamps) > 0):
         order = np.argsort(stamps, kind='stable')
-        turned = int(np.count_nonzero(np.diff(stamps) < 0))
         stamps, values = stamps[order], values[order]
         first = np.concatenate(([True], np.diff(stamps) > 0))
-        if turned:
-            back = -np.diff(signal.stamps).min() / 1e9
-            notes.append(f'{signal.channel}: {turned} messages came out of order (by up to '
-                         f'{back:.3g} s); sorted')
+        notes += disorder(signal.channel, signal.stamps)
         if not first.all():
             notes.append(f'{signal.channel}: {np.count_nonzero(~first)} messages with a repeated '
                          'stamp; the first of each kept')
@@ -115,6 +111,16 @@ def in_order(signal: Signal, notes: list[str]) -> Signal:
         notes.append(f'{signal.channel}: its messages alternate between two signals; are there '
                      'two publishers on its topic?')
     return Signal(signal.channel, stamps, values)
+
+
+def disorder(name: str, stamps: np.ndarray) -> list[str]:
+    """Return a note if messages came out of order."""
+    back = np.diff(stamps)
+    back = back[back < 0]
+    if not len(back):
+        return []
+    return [f'{name}: {len(back)} messages came out of order (by up to '
+            f'{-back.min() / 1e9:.3g} s); sorted']
 
 
 def _alternates(values: np.ndarray) -> bool:
@@ -127,9 +133,10 @@ def _alternates(values: np.ndarray) -> bool:
     return bool(next_one > _APART * next_but_one and next_one > 0.0)
 
 
-def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = ()) -> Run:
+def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str] = (),
+          origin: int | None = None) -> Run:
     """
-    Bring signals to one time base that begins at 0 s.
+    Bring signals to one time base that begins at 0 s, or counts from ``origin`` (ns).
 
     Raises
     ------
@@ -150,8 +157,9 @@ def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str
             moved.append(signal.channel)
     if moved:
         notes.append(f'{", ".join(moved)}: read at the stamps of {base.channel}')
-    start = base.stamps[0] if len(base.stamps) else 0
-    return finish_run(name, (base.stamps - start) / 1e9, channels, source, notes, 'messages')
+    if origin is None:
+        origin = base.stamps[0] if len(base.stamps) else 0
+    return finish_run(name, (base.stamps - origin) / 1e9, channels, source, notes, 'messages')
 
 
 def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:

@@ -55,6 +55,8 @@ class BagSignals:
     ----------
     path, channel_map, only
         As for ``read_bag``.
+    on_disk : bool
+        Whether the numbers are kept in files instead of the memory.
 
     Attributes
     ----------
@@ -63,11 +65,13 @@ class BagSignals:
 
     """
 
-    def __init__(self, path: Path, channel_map: ChannelMap, only: Container[str] = CHANNELS):
+    def __init__(self, path: Path, channel_map: ChannelMap, only: Container[str] = CHANNELS,
+                 on_disk: bool = False):
         self.notes: list[str] = []
         self._path = path
         self._map = channel_map
         self._only = only
+        self._on_disk = on_disk
         self._mapped = {entry.channel: entry.topic_and_path()[0]
                         for entry in channel_map.entries.values()}
         self._streams: list[Stream] = []
@@ -84,7 +88,7 @@ class BagSignals:
         for stream in streams:
             key = stream.topic, stream.type
             if stream.data and key not in self._topics and (paths := self._paths(stream)):
-                self._topics[key] = TopicNumbers(stream, paths)
+                self._topics[key] = TopicNumbers(stream, paths, self._on_disk)
             if key in self._topics:
                 self._topics[key].take(stream, str(self._path))
         self._streams = [stream.emptied() for stream in streams]
@@ -103,8 +107,15 @@ class BagSignals:
         return paths
 
     def signals(self) -> list[Signal]:
+        """Return the signals of all that was taken; raises as ``timed`` does."""
+        return [signal_of(pick, topic.type, stamps, topic.numbers(pick.path))
+                for topic, wanted, stamps in self.timed() for pick in wanted]
+
+    def timed(self) -> list[tuple[TopicNumbers, list[Pick], np.ndarray]]:
         """
-        Return the signals of all that was taken.
+        Return the topics, what is wanted of each, and when its messages were true (ns).
+
+        The stamps are of one clock, in the order in which the messages were written.
 
         Raises
         ------
@@ -131,16 +142,14 @@ class BagSignals:
         stamps = _common_clock([topic for topic, _ in chosen], self.notes)
         stamps = set_forward_again([Written(topic.order, times) for (topic, _), times
                                     in zip(chosen, stamps)], self.notes)
-        signals = [_signal(topic, pick, at) for (topic, wanted), at in zip(chosen, stamps)
-                   for pick in wanted]
-        if not signals:
+        if not any(wanted for _, wanted in chosen):
             raise InputError(f'{self._path}: none of our topics holds a number')
-        return signals
+        return [(topic, wanted, at) for (topic, wanted), at in zip(chosen, stamps)]
 
 
-def _signal(topic: TopicNumbers, pick: Pick, stamps: np.ndarray) -> Signal:
-    raw = topic.numbers(pick.path)
-    if topic.type == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
+def signal_of(pick: Pick, kind: str, stamps: np.ndarray, raw: np.ndarray) -> Signal:
+    """Return the signal that numbers of a message of this type are."""
+    if kind == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
         stamps, raw = stamps[~np.isnan(raw)], raw[~np.isnan(raw)]
     return Signal(pick.entry.channel, stamps, pick.entry.to_si(raw, pick.unit, pick.absolute))
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hst_drive.bag.cdr import Codec, MalformedError
+from hst_drive.bag.column import Column
 from hst_drive.bag.diagnostic_values import read_values
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY
@@ -28,6 +29,8 @@ class TopicNumbers:
         The topic; its messages are not taken yet.
     paths : sequence of str
         Where the wanted numbers are in a message.
+    on_disk : bool
+        Whether the numbers are kept in files instead of the memory.
 
     Attributes
     ----------
@@ -42,14 +45,15 @@ class TopicNumbers:
 
     """
 
-    def __init__(self, stream: Stream, paths: Sequence[str]):
+    def __init__(self, stream: Stream, paths: Sequence[str], on_disk: bool = False):
         self.topic, self.type = stream.topic, stream.type
         self.codec = Codec(stream.type, stream.definition)
         self.first: list[bytes] = []
         self.seen: set[str] = set()
         self._paths = list(dict.fromkeys(paths))
         self.stamped = self.codec.has_stamp
-        self._blocks: dict[str, list[np.ndarray]] = {}
+        self._on_disk = on_disk
+        self._columns: dict[str, Column] = {}
 
     def take(self, stream: Stream, source: str) -> None:
         """
@@ -82,29 +86,32 @@ class TopicNumbers:
                            + found.pop(_NANOSEC).astype(np.int64))
         self.seen.update(path for path in self._paths if not np.isnan(found[path]).all())
         for key, values in found.items():
-            self._blocks.setdefault(key, []).append(values)
+            if key not in self._columns:
+                self._columns[key] = Column(self._on_disk)
+            self._columns[key].append(values)
 
     @property
     def stamps(self) -> np.ndarray | None:
         """The messages' own times, ns; None if they carry none."""
-        return self._whole(_SEC) if self.stamped else None
+        return self._columns[_SEC].whole() if self.stamped else None
 
     @property
     def published(self) -> np.ndarray:
         """When the messages were sent, ns."""
-        return self._whole(_PUBLISHED)
+        return self._columns[_PUBLISHED].whole()
 
     @property
     def order(self) -> np.ndarray:
         """The messages' places among all that were read, as they were written."""
-        return self._whole(_ORDER)
+        return self._columns[_ORDER].whole()
 
     def numbers(self, path: str) -> np.ndarray:
         """Return the numbers, NaN where a message holds none."""
-        return self._whole(path)
+        return self._columns[path].whole()
 
-    def _whole(self, key: str) -> np.ndarray:
-        blocks = self._blocks[key]
-        if len(blocks) > 1:
-            blocks = self._blocks[key] = [np.concatenate(blocks)]
-        return blocks[0]
+    def some_numbers(self, path: str, places: np.ndarray) -> np.ndarray:
+        """Return the numbers of some messages that lie near each other."""
+        if not len(places):
+            return np.zeros(0)
+        first = int(places.min())
+        return self._columns[path].part(first, int(places.max()) + 1)[places - first]

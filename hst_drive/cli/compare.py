@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from hst_drive.cli.common import add_log_arguments, read_logs, rig_of
 from hst_drive.cli.output import add_json_argument, check_target, say, table, write_json
 from hst_drive.cli.sections import (
-    asks_for_sections, in_sections, LONG_FILE, MINUTES, told)
+    asks_for_sections, in_sections, LONG_BAG, LONG_FILE, MINUTES, told)
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,8 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='draw measured, model and error (several logs: one file each)')
     parser.add_argument('--sections', metavar='MIN', type=float,
                         help='cut each log in sections of so many minutes, so that it need not '
-                        f'fit into the memory (CSV; default: {MINUTES:g} for files beyond '
-                        f'{LONG_FILE / 1e6:.0f} MB)')
+                        f'fit into the memory (default: {MINUTES:g} for CSV beyond '
+                        f'{LONG_FILE / 1e6:.0f} MB, bags beyond {LONG_BAG / 1e6:.0f} MB)')
     add_json_argument(parser)
 
 

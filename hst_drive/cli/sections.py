@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from hst_drive.rig import Rig
 
 MINUTES = 10.0
-LONG_FILE = 60e6    # bytes; some two or three hours at 100 Hz
+LONG_FILE = 60e6    # bytes of CSV; some two or three hours at 100 Hz
+LONG_BAG = 150e6    # bytes, packed as our recorder does; some three hours at 100 Hz
 
 
 def asks_for_sections(args: argparse.Namespace) -> bool:
@@ -30,8 +31,6 @@ def asks_for_sections(args: argparse.Namespace) -> bool:
     for path in args.logs:
         if len(args.logs) > 1 and (args.sections or _too_long(path)):
             raise InputError(f'{path}: is to be cut in sections; give it alone')
-        if os.path.isdir(path) or path.endswith(('.mcap', '.db3')):
-            raise InputError(f'{path}: only CSV logs can be cut in sections; leave --sections out')
     if args.closed_loop:
         raise InputError(f'{args.logs[0]}: is to be cut in sections, through which --closed-loop '
                          'cannot run; leave it out, or give a shorter log')
@@ -39,21 +38,26 @@ def asks_for_sections(args: argparse.Namespace) -> bool:
 
 
 def _too_long(path: str) -> bool:
-    return (os.path.isfile(path) and not path.endswith(('.mcap', '.db3'))
-            and os.path.getsize(path) > LONG_FILE)
+    from hst_drive.bag import is_bag
+
+    if not os.path.exists(path):
+        return False
+    if not is_bag(path):
+        return os.path.getsize(path) > LONG_FILE
+    from hst_drive.bag.long_bag import bag_size
+    return bag_size(path) > LONG_BAG
 
 
 def in_sections(rig: Rig, args: argparse.Namespace) -> Comparison:
     """Compare a log section by section."""
-    from hst_drive.bag import ChannelMap, load_channel_map
-    from hst_drive.bag.csv_sections import csv_sections
+    from hst_drive.bag import cut_log, ChannelMap, load_channel_map
     from hst_drive.measure.compare import model_of
     from hst_drive.measure.run import refuse_impossible
     from hst_drive.measure.sections import AFTER, BEFORE, compare_sections
 
     path, seconds = args.logs[0], 60.0 * (args.sections or MINUTES)
     mapping = load_channel_map(args.channels) if args.channels else ChannelMap()
-    cut = csv_sections(path, mapping, seconds, BEFORE, AFTER)
+    cut = cut_log(path, mapping, seconds, BEFORE, AFTER)
     first = next(cut, None)
     if first is None:
         raise InputError(f'{path}: holds too few rows to compare')

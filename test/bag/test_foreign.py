@@ -30,13 +30,13 @@ def kind(name):
     return STORE.types[name.replace('/', '/msg/')]
 
 
-def messages():
+def messages(count=COUNT):
     """Return (topic, type, time in ns, message) of a short recording of a foreign rig."""
     header, time = kind('std_msgs/Header'), kind('builtin_interfaces/Time')
     pair, status = kind('diagnostic_msgs/KeyValue'), kind('diagnostic_msgs/DiagnosticStatus')
     layout = kind('std_msgs/MultiArrayLayout')([], 0)
     found = []
-    for i in range(COUNT):
+    for i in range(count):
         at = 10**18 + i * STEP
         stamped = header(time(at // 10**9, at % 10**9), 'rig')
         pairs = [pair('noise', 'n/a'), pair('shaft torque', str(1.5 * i))]

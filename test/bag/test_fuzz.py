@@ -4,9 +4,9 @@
 from bench.fuzz import Cases, fuzz
 import pytest
 
-NAMES = ('csv', 'csv_with_map', 'csv_sections', 'mcap', 'sqlite', 'recover', 'metadata',
-         'rig_text', 'scenario_text', 'channel_map_text', 'bench_table', 'rig', 'scenario',
-         'channel_map', 'drilling_log', 'effects', 'messages')
+NAMES = ('csv', 'csv_with_map', 'csv_sections', 'bag_sections', 'mcap', 'sqlite', 'recover',
+         'metadata', 'rig_text', 'scenario_text', 'channel_map_text', 'bench_table', 'rig',
+         'scenario', 'channel_map', 'drilling_log', 'effects', 'messages')
 
 
 @pytest.fixture(scope='module')
