@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hst_drive.errors import InputError
-from hst_drive.measure.faults import without_faults
+from hst_drive.measure.faults import without_faults, without_lost_rows
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
 
@@ -57,6 +57,9 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
     if interval < _SHORTEST:
         notes.append(f'rows come every {1e6 * interval:.3g} us: is the unit of the time column '
                      'right?')
+    channels, lost = without_lost_rows(time, channels, [
+        name for name in channels if CHANNELS[name].hold == 'zero'])
+    notes += lost
     kept = {}
     holes: dict[int, list[str]] = {}
     for channel, values in channels.items():
@@ -107,9 +110,6 @@ def in_order(signal: Signal, notes: list[str]) -> Signal:
             notes.append(f'{signal.channel}: {np.count_nonzero(~first)} messages with a repeated '
                          'stamp; the first of each kept')
         stamps, values = stamps[first], values[first]
-    if CHANNELS[signal.channel].hold == 'linear' and _alternates(values):
-        notes.append(f'{signal.channel}: its messages alternate between two signals; are there '
-                     'two publishers on its topic?')
     return Signal(signal.channel, stamps, values)
 
 
@@ -123,8 +123,11 @@ def disorder(name: str, stamps: np.ndarray) -> list[str]:
             f'{-back.min() / 1e9:.3g} s); sorted']
 
 
-def _alternates(values: np.ndarray) -> bool:
+def alternates(signal: Signal) -> bool:
     """Tell whether every other value belongs to another signal: two sources on one topic."""
+    if CHANNELS[signal.channel].hold != 'linear':
+        return False
+    values = signal.values[np.argsort(signal.stamps, kind='stable')]
     values = values[np.isfinite(values)]
     if len(values) < 4 * MIN_ROWS:
         return False

@@ -21,8 +21,9 @@ _COVERED = 0.5      # of the messages after a step there must be earlier ones at
 
 
 class Written(NamedTuple):
-    """The messages of one topic as written: their places in the whole bag and stamps (ns)."""
+    """The messages of a topic as written: name, places in the whole bag, and stamps (ns)."""
 
+    name: str
     order: np.ndarray
     stamps: np.ndarray
 
@@ -39,15 +40,25 @@ def set_forward_again(topics: Sequence[Written], notes: list[str]) -> list[np.nd
     if not topics:
         return []
     place = max(range(len(topics)), key=lambda index: len(topics[index].stamps))
-    base = topics[place]
+    topics, base = list(topics), topics[place]
     for step in steps_back(base):
-        topics = [Written(topic.order, _moved(topic, base, step)) for topic in topics]
+        topics = [topic._replace(stamps=_moved(topic, base, step)) for topic in topics]
         base = topics[place]
-        after = base.stamps[np.searchsorted(base.order, step.order)] - base.stamps[0]
-        notes.append(f'the clock was set back by {step.lost / 1e9:.3g} s after '
-                     f'{after / 1e9:.4g} s; what was written later is put behind what was '
-                     'written before')
+        notes.append(_told('the clock', step, base))
+    for number, topic in enumerate(topics):
+        # A sensor may have a clock of its own.
+        for step in steps_back(topic):
+            topic = topic._replace(stamps=topic.stamps + np.where(
+                topic.order >= step.order, step.lost, 0))
+            notes.append(_told(f'{topic.name}: its clock', step, topic))
+        topics[number] = topic
     return [topic.stamps for topic in topics]
+
+
+def _told(what: str, step: Step, topic: Written) -> str:
+    after = topic.stamps[np.searchsorted(topic.order, step.order)] - topic.stamps[0]
+    return (f'{what} was set back by {step.lost / 1e9:.3g} s after {after / 1e9:.4g} s; what was '
+            'written later is put behind what was written before')
 
 
 def steps_back(topic: Written) -> list[Step]:

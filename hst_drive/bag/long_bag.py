@@ -18,7 +18,7 @@ from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.csv_sections import Section
 from hst_drive.bag.picks import Pick
 from hst_drive.bag.rosbag2 import bag_blocks, bag_files
-from hst_drive.bag.signals import BagSignals, signal_of
+from hst_drive.bag.signals import BagSignals, signals_of
 from hst_drive.bag.topic_numbers import TopicNumbers
 import numpy as np
 
@@ -68,8 +68,10 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         rows = np.searchsorted(base, [origin + 1e9 * edge for edge in (start, end)])
         low, high = origin + 1e9 * (start - before), origin + 1e9 * (end + after)
         if rows[1] > rows[0] and np.subtract(*np.searchsorted(base, [high, low])) >= MIN_ROWS:
-            signals = [signal for topic in topics for signal in topic.signals(low, high)]
-            yield Section(align(signals, path.stem, str(path), bag.notes, origin), start, end)
+            signals = [signal for topic in topics
+                       for signal in topic.signals(low, high, bag.notes)]
+            if signals:
+                yield Section(align(signals, path.stem, str(path), bag.notes, origin), start, end)
         if np.isinf(end):
             return
         if rows[1] == rows[0]:      # nothing for long: go to where it continues
@@ -94,12 +96,12 @@ class _Sorted(NamedTuple):
         places = np.argsort(stamps, kind='stable')
         return cls(topic, wanted, stamps[places], places)
 
-    def signals(self, low: float, high: float) -> list[Signal]:
+    def signals(self, low: float, high: float, notes: list[str]) -> list[Signal]:
         """Return what was true between two stamps."""
         first, last = np.searchsorted(self.stamps, [low, high])
         if last - first < _EARLIER:
             first = max(first - _EARLIER, 0)
         rows = np.arange(first, last)
         places = rows if self.places is None else self.places[rows]
-        return [signal_of(pick, self.topic.type, self.stamps[rows],
-                          self.topic.some_numbers(pick.path, places)) for pick in self.wanted]
+        return signals_of(self.topic, self.wanted, self.stamps[rows],
+                          lambda path: self.topic.some_numbers(path, places), notes)

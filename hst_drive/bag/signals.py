@@ -3,10 +3,10 @@
 """From the messages of a bag to signals on one clock."""
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from pathlib import Path
 
-from hst_drive.bag.align import align, Signal
+from hst_drive.bag.align import align, alternates, Signal
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.clock import set_forward_again, Written
 from hst_drive.bag.mcap_records import Stream
@@ -20,6 +20,7 @@ import numpy as np
 
 _APART = 1_000_000_000
 """Stamps further than this (ns) from the receive time are of another clock."""
+_LATE = 25_000_000      # ns; sensors' own delays are shorter
 
 
 def read_bag(path: Path, channel_map: ChannelMap, only: Container[str] = CHANNELS) -> Run:
@@ -108,8 +109,11 @@ class BagSignals:
 
     def signals(self) -> list[Signal]:
         """Return the signals of all that was taken; raises as ``timed`` does."""
-        return [signal_of(pick, topic.type, stamps, topic.numbers(pick.path))
-                for topic, wanted, stamps in self.timed() for pick in wanted]
+        signals = [signal for topic, wanted, stamps in self.timed()
+                   for signal in signals_of(topic, wanted, stamps, topic.numbers, self.notes)]
+        if not signals:
+            raise InputError(f'{self._path}: none of our topics holds one signal alone')
+        return signals
 
     def timed(self) -> list[tuple[TopicNumbers, list[Pick], np.ndarray]]:
         """
@@ -140,18 +144,32 @@ class BagSignals:
                 pick for pick in wanted if pick.entry.channel in self._only
                 and (pick.path in topic.seen or not _may_be_empty(pick))]))
         stamps = _common_clock([topic for topic, _ in chosen], self.notes)
-        stamps = set_forward_again([Written(topic.order, times) for (topic, _), times
+        _out_of_step([topic for topic, _ in chosen], self.notes)
+        stamps = set_forward_again([Written(topic.topic, topic.order, times) for (topic, _), times
                                     in zip(chosen, stamps)], self.notes)
         if not any(wanted for _, wanted in chosen):
             raise InputError(f'{self._path}: none of our topics holds a number')
         return [(topic, wanted, at) for (topic, wanted), at in zip(chosen, stamps)]
 
 
-def signal_of(pick: Pick, kind: str, stamps: np.ndarray, raw: np.ndarray) -> Signal:
-    """Return the signal that numbers of a message of this type are."""
-    if kind == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
-        stamps, raw = stamps[~np.isnan(raw)], raw[~np.isnan(raw)]
-    return Signal(pick.entry.channel, stamps, pick.entry.to_si(raw, pick.unit, pick.absolute))
+def signals_of(topic: TopicNumbers, wanted: Sequence[Pick], stamps: np.ndarray,
+               numbers: Callable[[str], np.ndarray], notes: list[str]) -> list[Signal]:
+    """Return the signals that the numbers of a topic are; none if it mixes two sources."""
+    signals = []
+    for pick in wanted:
+        at, raw = stamps, numbers(pick.path)
+        if topic.type == DIAGNOSTIC_ARRAY:     # the others say nothing about this number
+            at, raw = stamps[~np.isnan(raw)], raw[~np.isnan(raw)]
+        signals.append(Signal(pick.entry.channel, at,
+                              pick.entry.to_si(raw, pick.unit, pick.absolute)))
+    mixed = [signal.channel for signal in signals if alternates(signal)]
+    if not mixed:
+        return signals
+    note = (f'{topic.topic}: its messages alternate between two signals ({", ".join(mixed)}); '
+            'are there two publishers? Left out')
+    if note not in notes:
+        notes.append(note)
+    return []
 
 
 def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.ndarray]:
@@ -169,6 +187,17 @@ def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.n
     if bare:
         notes.append(f'{", ".join(bare)}: no stamps; the times of publishing are used')
     return [times if good else other for times, other, good in zip(stamps, published, own)]
+
+
+def _out_of_step(topics: Sequence[TopicNumbers], notes: list[str]) -> None:
+    """Tell of topics whose stamps lie further before their publishing than those of others."""
+    ages = {topic.topic: float(np.median(topic.published - topic.stamps)) for topic in topics
+            if _usable(topic.stamps)}
+    usual = float(np.median(list(ages.values()))) if ages else 0.0
+    for name, age in ages.items():
+        if _LATE < abs(age - usual) and abs(age) < _APART:
+            notes.append(f'{name}: its messages are published {age / 1e6:.3g} ms after their '
+                         f'stamps, others {usual / 1e6:.3g} ms: is its clock in step?')
 
 
 def _may_be_empty(pick: Pick) -> bool:

@@ -9,7 +9,8 @@ it repeats one number to the last digit where it never did before.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from collections.abc import Container, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,6 +33,8 @@ _COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longe
 _MOST = 0.5             # of a recording: a sensor that stands for longer is made so
 _JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
 _TOLD = 3
+_NULLS = 0.0, 273.15, -101325.0     # what 0 of a logger is in SI: also of degC, and absolute Pa
+_FALLS = 0.25           # of what a reading usually is: so far it falls into a lost row, and rises
 
 
 class Faults(NamedTuple):
@@ -74,6 +77,47 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
                          'disconnected or saturated sensor; left out')
         clean[name] = values
     return clean, notes
+
+
+def without_lost_rows(time: np.ndarray, channels: Mapping[str, np.ndarray],
+                      commands: Container[str]) -> tuple[dict[str, np.ndarray], list[str]]:
+    """
+    Return channels with NaN for rows that a logger filled with zeros, and a note of them.
+
+    All readings fall to 0 at once, and come back at once: no drive does that.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        s, rising.
+    channels : mapping of str to ndarray, shape (n,)
+        SI.
+    commands : container of str
+        Channels that may be at 0 in such a row, or not.
+
+    """
+    readings = [values for name, values in channels.items()
+                if name not in commands and np.isfinite(values).any()]
+    if len(readings) < 2:
+        return dict(channels), []
+    null = np.all([np.isin(values, _NULLS) | np.isnan(values) for values in readings], axis=0)
+    edges = np.flatnonzero(np.diff(null.astype(int), prepend=0, append=0))
+    usual = [_FALLS * np.nanpercentile(np.abs(values), 90) for values in readings]
+    lost = np.zeros(len(time), dtype=bool)
+    for first, end in zip(edges[::2], edges[1::2]):
+        if first and end < len(time) and all(
+                sum(abs(values[place] - values[first]) > far
+                    for values, far in zip(readings, usual)) >= 2 for place in (first - 1, end)):
+            lost[first:end] = True
+    if not lost.any():
+        return dict(channels), []
+    clean = {name: np.where(lost & np.isin(values, _NULLS), np.nan, values)
+             for name, values in channels.items()}
+    places = np.flatnonzero(lost)
+    more = ' and later' if len(places) > _TOLD else ''
+    return clean, [f'{len(places)} of {len(time)} rows are 0 in all readings (at '
+                   f'{", ".join(f"{time[place]:.4g}" for place in places[:_TOLD])} s{more}): '
+                   'lost by the logger; left out']
 
 
 def find_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Faults]:

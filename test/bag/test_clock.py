@@ -26,7 +26,7 @@ def topics(steps, seed, jitter=0.1):
     places[order] = np.arange(len(order))
     found, at = [], 0
     for true, shown in parts:
-        found.append((true, Written(places[at:at + len(true)], shown)))
+        found.append((true, Written('', places[at:at + len(true)], shown)))
         at += len(true)
     return found
 
@@ -51,8 +51,8 @@ def test_a_message_that_was_written_late_stays_with_its_stretch():
     order[late] = order[late + 1] - 1           # is written only after the step
     dense_order = dense.order.copy()
     dense_order[(dense.order >= other.order[late]) & (dense.order < order[late + 1])] -= 1
-    put_right = set_forward_again([Written(dense_order, dense.stamps),
-                                   Written(order, other.stamps)], [])
+    put_right = set_forward_again([Written('', dense_order, dense.stamps),
+                                   Written('', order, other.stamps)], [])
     assert (np.diff(put_right[1]) > 0).all()
     assert np.abs(np.diff(put_right[1]) - 2 * PERIOD).max() < PERIOD
 
@@ -63,11 +63,21 @@ def test_late_messages_are_no_step(burst):
     times = true.copy()
     times[500:500 + 2 * burst] = np.concatenate([true[500 + burst:500 + 2 * burst],
                                                  true[500:500 + burst]])
-    assert not steps_back(Written(dense.order, times))
+    assert not steps_back(Written('', dense.order, times))
 
 
 def test_two_sources_are_no_step():
     (true, dense), *_ = topics([], 3)
     times = true.copy()
     times[1::2] -= 5_000 * MS
-    assert not steps_back(Written(dense.order, times))
+    assert not steps_back(Written('', dense.order, times))
+
+
+def test_a_sensor_with_a_clock_of_its_own():
+    (true, dense), (other_true, other), *_ = topics([], 4)
+    shown = other.stamps - np.where(other_true >= 10**18 + 800 * PERIOD, 3_000 * MS, 0)
+    notes = []
+    first, second = set_forward_again([dense, other._replace(name='/flow', stamps=shown)], notes)
+    np.testing.assert_array_equal(first, dense.stamps)
+    np.testing.assert_allclose(second - true[0], other_true - true[0], atol=0.6 * PERIOD)
+    assert len(notes) == 1 and notes[0].startswith('/flow: its clock was set back by 3 s')

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from hst_drive.bag import read_log
-from hst_drive.measure.faults import find_faults, without_faults
+from hst_drive.measure.faults import find_faults, without_faults, without_lost_rows
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 import pytest
@@ -28,6 +28,35 @@ def sensors(seed=0, time=TIME):
                 ('pump_outlet_pressure', 100.0, 1.0, 0.12, 0.049),
                 ('motor_speed', 100.0, -0.1, 0.15, 0.1),
                 ('load_torque', 200.0, 2.0, 0.5, 0.1))}
+
+
+@pytest.mark.parametrize('places', ([1000], [1000, 1001, 1002], range(500, 5900, 500),
+                                    range(2000, 2300)))
+def test_rows_that_the_logger_filled_with_zeros_are_left_out(places):
+    places = list(places)
+    channels = {**sensors(), 'oil_temperature': np.full(len(TIME), 320.0),
+                'pump_command': np.full(len(TIME), 5.0), 'speed_setpoint': np.zeros(len(TIME))}
+    broken = {name: values.copy() for name, values in channels.items()}
+    for name, null in (('pump_outlet_pressure', -101325.0), ('motor_speed', 0.0),
+                       ('load_torque', 0.0), ('oil_temperature', 273.15),
+                       ('pump_command', 0.0)):
+        broken[name][places] = null
+    clean, notes = without_lost_rows(TIME, broken, ('pump_command', 'speed_setpoint'))
+    assert f'{len(places)} of {len(TIME)} rows' in notes[0]
+    for name, values in clean.items():
+        lost = np.flatnonzero(np.isnan(values))
+        np.testing.assert_array_equal(lost, places)
+        rest = np.isfinite(values)
+        np.testing.assert_array_equal(values[rest], channels[name][rest])
+
+
+def test_a_drive_that_stands_still_is_no_lost_row():
+    slowly = np.clip(np.abs(TIME - 30.0) - 5.0, 0.0, 1.0)       # at rest from 25 to 35 s
+    at_once = (TIME > 2.0).astype(float)                        # and before it was switched on
+    for shape in (slowly, at_once):
+        channels = {name: values * shape for name, values in sensors().items()}
+        clean, notes = without_lost_rows(TIME, channels, ())
+        assert not notes and all(clean[name] is values for name, values in channels.items())
 
 
 @pytest.mark.parametrize('rate', (500.0, 100.0, 50.0, 20.0))
