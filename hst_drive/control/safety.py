@@ -29,7 +29,6 @@ FAULTS = {
 }
 """What each fault means."""
 WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
-_FAST = 'emergency_stop', 'shutdown'    # the short ramp
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
 
 
@@ -122,6 +121,7 @@ class Supervisor:
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
         self._ramped_at: float | None = None
+        self._ending = False
 
     @property
     def missing(self) -> tuple[bool, bool]:
@@ -211,9 +211,16 @@ class Supervisor:
             self._pressed.discard(source)
 
     def end(self, now: float) -> None:
-        """Go to 0 V for good, as after an emergency stop."""
-        if self.fault is None or self.fault.kind not in _FAST:
+        """Go to 0 V for good, as fast as after an emergency stop."""
+        self._ending = True
+        if self.fault is None:
             self.fault = Fault('shutdown', '', now)
+
+    def inherit(self, before: Supervisor) -> None:
+        """Go on with the stop that an earlier supervisor of the same drive was in."""
+        self._pressed = before._pressed
+        if before.fault and before.fault.kind != 'shutdown':
+            self.fault = before.fault
 
     def formed(self, now: float, command: float) -> bool:
         """Judge what the law has made as a command (V); return whether it may be sent."""
@@ -239,7 +246,7 @@ class Supervisor:
 
     def _trip(self, kind: str, found: str, now: float) -> None:
         # A first fault is the one to tell; only an emergency stop outranks it: it is faster.
-        if self.fault is None or (kind == 'emergency_stop' and self.fault.kind not in _FAST):
+        if self.fault is None or (kind == 'emergency_stop' != self.fault.kind):
             self.fault = Fault(kind, found, now)
 
     def ramp(self, now: float, command: float) -> float:
@@ -257,7 +264,7 @@ class Supervisor:
         if self._ramped_at is None:
             self._ramped_at, self.command = min(self.fault.time, now), max(0.0, command)
         settings = self.settings
-        time = (settings.emergency_stop_time if self.fault.kind in _FAST
+        time = (settings.emergency_stop_time if self._ending or self.fault.kind == 'emergency_stop'
                 else settings.stop_time)
         fall = self.limits[1] / time * max(0.0, now - self._ramped_at)
         self._ramped_at = max(now, self._ramped_at)

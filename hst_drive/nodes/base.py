@@ -58,8 +58,7 @@ class DriveNode(Node):
     def __init__(self):
         super().__init__(self.role, namespace=NAMESPACE.strip('/'))
         self.settings = declare(self, COMMON + self.parameters)
-        for line in undeclared(self):
-            self.get_logger().warning(line)
+        self._tell_unused(of_topics=False)
         self.partners: list[str] = self.settings['partners']
         self.lockstep: bool = self.settings['lockstep']
         self.taken: tuple[str, ...] = ()
@@ -88,6 +87,7 @@ class DriveNode(Node):
         self.answers = sync.Answers(self.sync, lambda: {
             name: output.published for name, output in outputs})
         self.taken = self.taken or wiring.recorded(self.partners)
+        self._tell_unused(of_topics=True)
         self._waited, self._found = 0.0, False
         self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self._wall)
         if self._parent:
@@ -115,6 +115,10 @@ class DriveNode(Node):
     def now(self) -> int:
         """Return the node's time, ns."""
         return self.get_clock().now().nanoseconds
+
+    def _tell_unused(self, of_topics: bool) -> None:
+        for line in undeclared(self, of_topics):
+            self.get_logger().warning(line)
 
     def stop(self, code: int, reason: str = '') -> None:
         """End the spin loop and leave with this code."""

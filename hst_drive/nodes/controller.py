@@ -78,6 +78,7 @@ class Controller(DriveNode):
         if settings['mode'] not in _MODES:
             raise InputError(f"controller: parameter mode is '{settings['mode']}'; expected one "
                              f'of {", ".join(_MODES)}')
+        before = self._watch if self._law else None
         try:
             self._law = PiController(
                 settings['kp'], settings['ki'], settings['sample_time'],
@@ -87,6 +88,8 @@ class Controller(DriveNode):
                 SafetySettings(**{name: settings[name] for name in vars(_DEFAULTS)}),
                 (settings['u_clamp_min'], settings['u_clamp_max']),
                 manual=settings['mode'] == 'open_loop')
+            if before:
+                self._watch.inherit(before)
         except ValueError as error:
             raise InputError(f'controller: {error}') from None
         if settings['start_command'] >= 0.0:
@@ -239,25 +242,26 @@ class Controller(DriveNode):
         ended = fault is not None and fault.kind == 'shutdown'
         if fault and self._told != told and not ended:
             self.get_logger().error(f'{fault}; {watch.state}')
-        writers = 1 if self.lockstep else self.count_publishers(
-            self.resolve_topic_name('pump_command'))
+        # In lockstep nobody else takes part.
+        crowded = {} if self.lockstep else {
+            name: count for name in ('pump_command', self._wanted)
+            if (count := self.count_publishers(self.resolve_topic_name(name))) > 1}
         if fault:
             message = f'{watch.state}: {fault}' + ('' if ended else '; reset it with ~/reset')
         else:
             message = self._waits() or 'running'
-            if writers > 1:
-                message += f'; {writers} nodes publish pump_command: only one may'
+            message += ''.join(f'; {count} nodes publish {name}: only one may'
+                               for name, count in crowded.items())
         against = watch.causes(self._seconds(self._stamp())) if fault and not ended else ()
         self._diagnostics.publish(
             self._stamp() if stamp is None else stamp,
             f'{self.get_fully_qualified_name()}: safety',
             WARN if ended else ERROR if fault else
-            OK if watch.state == RUNNING and writers <= 1 else WARN, message, {
+            OK if watch.state == RUNNING and not crowded else WARN, message, {
                 'state': watch.state, 'fault': fault.kind if fault else '',
                 'found': fault.found if fault else '', 'against_reset': ', '.join(against),
                 'command_v': f'{self._command:.4g}',
                 'at_zero': str(watch.state == STOPPED).lower(),
-                'publishers_of_pump_command': writers,
                 'readings_passed_over': watch.passed_over})
 
     def _waits(self) -> str:

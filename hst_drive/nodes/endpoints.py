@@ -3,7 +3,8 @@
 """Publishers and subscriptions made from the table of topics."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 import math
 import struct
@@ -12,6 +13,7 @@ from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import (ATMOSPHERE, Field, first_of_several, FLUID_PRESSURE, JOINT_STATE,
                                   Qos, TEMPERATURE, Topic, TOPICS, TRUTH)
+from hst_drive.errors import InputError
 from hst_drive.units import canonical, UNITS
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -87,6 +89,18 @@ class Layout:
                 for number in self.numbers]
 
 
+@contextmanager
+def _wrong_override(node, name: str) -> Iterator[None]:
+    """Tell in one line what is wrong with the quality of service that a user gave a topic."""
+    try:
+        yield
+    except RuntimeError as error:
+        if 'QoS' not in str(error):
+            raise
+        raise InputError(f'qos_overrides.{node.resolve_topic_name(name)}: {error}; see '
+                         'docs/integration.md') from None
+
+
 class Output:
     """
     A publisher of one topic of the table.
@@ -112,9 +126,10 @@ class Output:
         self._data = bytearray(data)
         self._fields = [(number.pack_into, offset, *_scale(field)) for (number, offset), field in
                         zip(Layout(codec, data, paths).numbers, topic.fields)]
-        self.publisher = node.create_publisher(
-            message_class(topic.type), topic.name, qos_profile(topic.qos),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies())
+        with _wrong_override(node, topic.name):
+            self.publisher = node.create_publisher(
+                message_class(topic.type), topic.name, qos_profile(topic.qos),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies())
         self.published = 0
 
     def publish(self, stamp: int, *values: float) -> None:
@@ -163,9 +178,10 @@ class Input:
         self._layout: Layout | None = None
         self._node = node
         self._log = node.get_logger()
-        self.subscription = node.create_subscription(
-            message_class(topic.type), topic.name, self._received, qos_profile(topic.qos),
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(), raw=True)
+        with _wrong_override(node, topic.name):
+            self.subscription = node.create_subscription(
+                message_class(topic.type), topic.name, self._received, qos_profile(topic.qos),
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(), raw=True)
 
     def _received(self, data: bytes) -> None:
         try:

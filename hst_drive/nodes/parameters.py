@@ -14,6 +14,9 @@ _TYPES = {bool: RosParameter.Type.BOOL, int: RosParameter.Type.INTEGER,
           list: RosParameter.Type.STRING_ARRAY}
 
 
+_QOS = 'qos_overrides.'
+
+
 class Parameter(NamedTuple):
     """
     One parameter of a node.
@@ -59,14 +62,18 @@ def declare(node, parameters: tuple[Parameter, ...]) -> dict[str, Any]:
     return values
 
 
-def undeclared(node) -> list[str]:
-    """Return a line for each parameter that was given but is none of the node's."""
+def undeclared(node, of_topics: bool) -> list[str]:
+    """
+    Return a line for each parameter that was given but is none of the node's.
+
+    Those ``of_topics`` (qos_overrides) are known once the endpoints are open.
+    """
     names = [name for name in node.get_parameters_by_prefix('')
-             if not name.startswith('qos_overrides')]
+             if name.startswith(_QOS) == of_topics]
     lines = []
     # rclpy has no public way to ask what was given.
     for name in getattr(node, '_parameter_overrides', {}):
-        if not node.has_parameter(name) and not name.startswith('qos_overrides.'):
+        if not node.has_parameter(name) and name.startswith(_QOS) == of_topics:
             near = get_close_matches(name, names, n=1)
             lines.append(f"parameter '{name}' is none of this node's and is not used; "
                          + (f"did you mean '{near[0]}'?" if near else

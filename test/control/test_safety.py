@@ -240,3 +240,36 @@ def test_new_gains_do_not_move_the_command(kp, ki, errors):
     assert law.kp * last + law.integral == pytest.approx(expected, abs=1e-9)
     with pytest.raises(ValueError, match='gains'):
         law.retune(math.nan, 1.0)
+
+
+def test_a_stop_goes_over_to_the_next_supervisor_and_an_end_does_not():
+    loop = Loop()
+    loop.run(100)
+    loop.watch.press('service', True, loop.now)
+    loop.command = 10.0
+    loop.watch.end(loop.now)
+    assert loop.watch.fault.kind == 'emergency_stop'
+    second = Supervisor(SafetySettings())
+    second.inherit(loop.watch)
+    assert second.fault.kind == 'emergency_stop' and 'service' in second.reset(9.0)[0]
+    second.press('service', False, 9.0)
+    assert second.reset(9.0) == [] and second.fault is None
+    loop = Loop()
+    loop.run(100)
+    loop.command = 10.0
+    loop.watch.end(loop.now)
+    assert loop.watch.fault.kind == 'shutdown'
+    assert loop.steps_to_zero() <= 0.3 / STEP + 1
+    third = Supervisor(SafetySettings())
+    third.inherit(loop.watch)
+    assert third.fault is None
+
+
+def test_an_end_during_a_ramp_takes_over_with_the_fast_one():
+    loop = Loop()
+    loop.run(100)
+    loop.command = 10.0
+    loop.run(20, wish=-1.0)
+    loop.watch.end(loop.now)
+    assert loop.steps_to_zero() <= 0.3 / STEP + 1
+    assert loop.watch.fault.kind == 'setpoint_invalid'

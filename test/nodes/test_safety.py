@@ -257,6 +257,41 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
         rclpy.shutdown(context=machine.context)
 
 
+def test_a_stop_outlives_deactivate_and_activate():
+    from lifecycle_msgs.msg import Transition
+    from lifecycle_msgs.srv import ChangeState
+    from std_srvs.srv import SetBool
+    machine = Machine('fourth')
+    try:
+        with node('controller', '-r', '__ns:=/fourth', *TIMES, managed=True):
+            change = machine.node.create_client(ChangeState, 'controller/change_state')
+
+            def go(which):
+                assert machine.call(change, ChangeState.Request(
+                    transition=Transition(id=which))).success
+
+            go(Transition.TRANSITION_CONFIGURE)
+            go(Transition.TRANSITION_ACTIVATE)
+            machine.run_up()
+            assert machine.call(machine.stopper, SetBool.Request(data=True)).success
+            machine.until(lambda: machine.commands[-1][1] == 0.0)
+            go(Transition.TRANSITION_DEACTIVATE)
+            machine.commands, machine.told = [], {}
+            go(Transition.TRANSITION_ACTIVATE)
+            machine.until(lambda: machine.told.get('fault') == 'emergency_stop')
+            for _ in range(50):
+                machine.tick()
+            assert not any(command for _, command in machine.commands)
+            assert not machine.reset().success
+            assert machine.call(machine.stopper, SetBool.Request(data=False)).success
+            machine.until(lambda: machine.told.get('against_reset') == '')
+            assert machine.reset().success
+            machine.run_up()
+    finally:
+        machine.node.destroy_node()
+        rclpy.shutdown(context=machine.context)
+
+
 def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_path, monkeypatch):
     from rosbags.highlevel import AnyReader
     from std_msgs.msg import Bool

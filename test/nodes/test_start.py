@@ -110,7 +110,9 @@ def test_a_node_asks_its_executor_seldom():
 
 @pytest.mark.parametrize('arguments, words', [
     (['--managd'], ("'--managd'", '--managed', '--ros-args')),
-    (['--ros-args', '-p', 'kp:=1'], ('parameter kp is 1 (INTEGER), expected DOUBLE',))])
+    (['--ros-args', '-p', 'kp:=1'], ('parameter kp is 1 (INTEGER), expected DOUBLE',)),
+    (['--ros-args', '-p', 'qos_overrides./drive/motor.subscription.reliability:=besteffort'],
+     ('qos_overrides./drive/motor', 'besteffort'))])
 def test_wrong_arguments_are_one_line(arguments, words):
     done = subprocess.run(
         [sys.executable, '-m', 'hst_drive.nodes.controller', *arguments], timeout=PATIENCE,
@@ -121,7 +123,10 @@ def test_wrong_arguments_are_one_line(arguments, words):
 
 def test_a_parameter_that_a_node_does_not_have_is_told():
     with node('controller', '-p', 'stop_tme:=2.0', '-p',
-              'qos_overrides./parameter_events.publisher.depth:=5') as process:
+              'qos_overrides./drive/motor.subscription.depth:=5', '-p',
+              'qos_overrides./drive/motorr.subscription.depth:=5') as process:
         time.sleep(2.0)
     assert "'stop_tme' is none of this node's" in process.err
-    assert "did you mean 'stop_time'" in process.err and 'qos_overrides' not in process.err
+    assert "did you mean 'stop_time'" in process.err
+    assert "'qos_overrides./drive/motorr.subscription.depth' is none" in process.err
+    assert "'qos_overrides./drive/motor.subscription.depth' is none" not in process.err
