@@ -96,7 +96,8 @@ def _read_metadata(metadata: Path) -> dict[str, Any]:
     try:
         data = yaml.safe_load(metadata.read_text(encoding='utf-8'))
     except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
-        raise InputError(f'{metadata}: cannot be read as YAML ({" ".join(str(error).split())}); remove it to read the '
+        why = ' '.join(str(error).split())
+        raise InputError(f'{metadata}: cannot be read as YAML ({why}); remove it to read the '
                          'files without it') from None
     if not isinstance(data, dict) or not isinstance(data.get(_TOP), dict):
         raise InputError(f'{metadata}: not the metadata of a bag (no {_TOP})')
