@@ -171,7 +171,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     inner = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
              'load_model', 'balances', 'derivatives')
     parts.append('\n'.join(
-        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", '
+        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=False, '
         f'forceinline={name in inner})({name})'
         for name in (*inner, 'played', 'load_record', 'simulate')))
     source = '\n\n'.join(parts) + '\n'
