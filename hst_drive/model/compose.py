@@ -169,20 +169,28 @@ def cache_folder() -> Path:
 
 def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     """Write the code with its effects into one file and import that, so that numba can cache."""
+    import numba
+    from numba.core.options import DefaultOptions
+
     parts = ['import numba', '', text]
     terms = _terms(effects)
     for key, effect, _, function in terms:
         parts.append(_function_source(effect.id, function, key))
-    # Inlined, the inner functions cost half: a call hands over some forty words. ``_nrt=False``
-    # halves that again: nothing here makes an array, so that none needs its references counted.
-    inner = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-             'load_model', 'balances', 'derivatives')
-    parts.append('\n'.join(
-        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=False, '
-        f'forceinline={name in inner})({name})'
-        for name in ('find', *inner, 'played', 'load_record', 'simulate')))
+    # Inlined, the inner functions cost half: a call hands over some forty words.
+    inline = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
+              'load_model', 'balances', 'derivatives')
+    usual = 'nogil=True, error_model="numpy"'
+    if hasattr(DefaultOptions, '_nrt'):
+        # References to arrays are counted in each branch, which took half of the time; nothing
+        # here makes an array. The option is not documented, so it may go.
+        usual += ', _nrt=False'
+    # What only compiled code calls needs neither a wrapper nor a file: that halves compilation.
+    inside = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
+    parts += [f'{name} = numba.njit({inside}{name in inline})({name})'
+              for name in (*inline, 'find', 'played')]
+    parts += [f'{name} = numba.njit(cache=True, {usual})({name})'
+              for name in ('load_record', 'simulate')]
     source = '\n\n'.join(parts) + '\n'
-    import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]
     name = f'hst_drive_kernel_{digest}'
     if name in sys.modules:

@@ -84,6 +84,7 @@ class Drive:
         if rig.line.oil_grade not in GRADES:
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
+        self._table_viscosity = viscosity(rig.characterised_at, rig.line.oil_grade)
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
@@ -108,8 +109,7 @@ class Drive:
 
     def viscosity_ratio(self, oil_temperature):
         """Return the oil's viscosity over the one at which the tables were measured."""
-        grade = self.rig.line.oil_grade
-        return viscosity(oil_temperature, grade) / viscosity(self.rig.characterised_at, grade)
+        return viscosity(oil_temperature, self.rig.line.oil_grade) / self._table_viscosity
 
     def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
                     oil_temperature: np.ndarray) -> np.ndarray:
