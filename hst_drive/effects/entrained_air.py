@@ -16,8 +16,8 @@ EXPONENT = 1.4
 
 def compliance(pump_pressure, fraction):
     """Return what the air adds to the compressibility of the oil, 1/Pa."""
-    absolute = max(pump_pressure + ATMOSPHERE, LEAST)
-    return fraction * (ATMOSPHERE / absolute)**(1.0 / EXPONENT) / (EXPONENT * absolute)
+    expansion = ATMOSPHERE / max(pump_pressure + ATMOSPHERE, LEAST)
+    return fraction / (EXPONENT * ATMOSPHERE) * expansion**(1.0 + 1.0 / EXPONENT)
 
 
 EFFECT = Effect(

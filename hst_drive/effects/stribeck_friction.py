@@ -8,7 +8,9 @@ from hst_drive.effects.base import Effect, Parameter
 
 def torque_loss(motor_speed, torque, speed, shape):
     """Return the friction torque that opposes rotation, N.m."""
-    return torque * math.exp(-(abs(motor_speed) / speed)**shape)
+    ratio = abs(motor_speed) / speed
+    # The usual shape without a power, which takes as long as the exponential.
+    return torque * math.exp(-(ratio * ratio if shape == 2.0 else ratio**shape))
 
 
 EFFECT = Effect(

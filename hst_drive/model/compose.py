@@ -23,7 +23,7 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
-from hst_drive.effects.base import arguments, USUAL_DAMPING_TIME, USUAL_SHARE
+from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_SHARE
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -56,13 +56,15 @@ class Kernel(NamedTuple):
     The running code and how its vectors are laid out.
 
     ``places`` maps (effect id, parameter) to its place behind the baseline's parameters;
-    ``flags`` maps an effect id to its switch.
+    ``flags`` maps an effect id to its switch, ``slots`` a slot to the switch that any of its
+    effects sets.
     """
 
     simulate: Callable
     load_record: Callable
     places: dict[tuple[str, str], int]
     flags: dict[str, int]
+    slots: dict[str, int]
     size: int
     source: str
     compiled: bool
@@ -73,8 +75,8 @@ def have_numba() -> bool:
     return importlib.util.find_spec('numba') is not None
 
 
-def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
-    """Return the source text, the places of parameters, the flags and the vector's length."""
+def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
+    """Return source text, places of parameters, flags of effects and slots, vector's length."""
     places, flags = {}, {}
     size = len(NAMES)
     for index, effect in enumerate(effects.values()):
@@ -85,8 +87,8 @@ def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
     constants = {f'P_{name}': index for index, name in enumerate(NAMES)}
     constants.update({f'T_{name}': index for index, name in enumerate(TABLES)})
     constants.update(CONSTANTS)
-    shafts = [effect.id for effect in effects.values() if effect.slot == 'shaft_compliance']
-    constants['ON_SHAFT'] = flags[shafts[0]] if shafts else len(flags)
+    slots = {slot: index for index, slot in enumerate(SLOTS, len(flags))}
+    constants.update({f'SLOT_{slot}': index for slot, index in slots.items()})
     lines = [f'{name} = {value!r}' for name, value in constants.items()]
     template = inspect.getsource(kernel_template).splitlines()
     head = template.index('import math') + 1
@@ -98,17 +100,20 @@ def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, int]:
             continue
         slot = mark[len('# slot '):]
         indent = line[:len(line) - len(line.lstrip())]
-        variable = {'load_torque': 'load_torque_extra'}.get(slot, slot)
+        variable = {'load_torque': 'whole_load_torque'}.get(slot, slot)
+        # A slot's own switch spares a look at each of its effects.
+        body.append(f'{indent}if on[SLOT_{slot}]:')
         for name, effect, place, function in _terms(effects):
             if place == slot:
                 call = ', '.join(f'p[{places[effect.id, argument]}]'
                                  if (effect.id, argument) in places else argument
                                  for argument in arguments(function))
-                body += [f'{indent}if on[{flags[effect.id]}]:',
-                         f'{indent}    {variable} += {name}({call})']
+                body += [f'{indent}    if on[{flags[effect.id]}]:',
+                         f'{indent}        {variable} += {name}({call})']
+        body.append(f'{indent}    pass')
     text = '\n'.join(['# Generated from kernel_template.py and the catalogue of effects.',
                       *template[:head], '', *lines, '', *body, ''])
-    return text, places, flags, size
+    return text, places, flags, slots, size
 
 
 def _terms(effects: dict[str, Effect]) -> list[tuple[str, Effect, str, Callable]]:
@@ -132,9 +137,10 @@ def kernel(compiled: bool | None = None) -> Kernel:
     effects = catalogue(everything=True)
     if compiled is None:
         compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
-    text, places, flags, size = generate(effects)
+    text, places, flags, slots, size = generate(effects)
     module = _compiled(text, effects) if compiled else _plain(text, effects)
-    return Kernel(module.simulate, module.load_record, places, flags, size, text, compiled)
+    return Kernel(module.simulate, module.load_record, places, flags, slots, size, text,
+                  compiled)
 
 
 def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
@@ -163,19 +169,28 @@ def cache_folder() -> Path:
 
 def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     """Write the code with its effects into one file and import that, so that numba can cache."""
+    import numba
+    from numba.core.options import DefaultOptions
+
     parts = ['import numba', '', text]
     terms = _terms(effects)
     for key, effect, _, function in terms:
         parts.append(_function_source(effect.id, function, key))
     # Inlined, the inner functions cost half: a call hands over some forty words.
-    inner = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-             'load_model', 'balances', 'derivatives')
-    parts.append('\n'.join(
-        f'{name} = numba.njit(cache=True, nogil=True, error_model="numpy", '
-        f'forceinline={name in inner})({name})'
-        for name in (*inner, 'played', 'load_record', 'simulate')))
+    inline = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
+              'load_model', 'balances', 'derivatives')
+    usual = 'nogil=True, error_model="numpy"'
+    if hasattr(DefaultOptions, '_nrt'):
+        # References to arrays are counted in each branch, which took half of the time; nothing
+        # here makes an array. The option is not documented, so it may go.
+        usual += ', _nrt=False'
+    # What only compiled code calls needs neither a wrapper nor a file: that halves compilation.
+    inside = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
+    parts += [f'{name} = numba.njit({inside}{name in inline})({name})'
+              for name in (*inline, 'find', 'played')]
+    parts += [f'{name} = numba.njit(cache=True, {usual})({name})'
+              for name in ('load_record', 'simulate')]
     source = '\n\n'.join(parts) + '\n'
-    import numba
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]
     name = f'hst_drive_kernel_{digest}'
     if name in sys.modules:

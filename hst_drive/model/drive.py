@@ -74,7 +74,8 @@ class Drive:
         self.tables = baseline_tables(rig)
         self.parameters = np.zeros(self.kernel.size)
         self.parameters[:len(base)] = base
-        self.switches = np.zeros(len(self.kernel.flags) + 1, dtype=np.int8)
+        self.switches = np.zeros(len(self.kernel.flags) + len(self.kernel.slots),
+                                 dtype=np.int8)
         for name, effect in catalogue(everything=True).items():
             for parameter in effect.parameters:
                 self.parameters[self.kernel.places[name, parameter.name]] = parameter.neutral
@@ -83,6 +84,7 @@ class Drive:
         if rig.line.oil_grade not in GRADES:
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
+        self._table_viscosity = viscosity(rig.characterised_at, rig.line.oil_grade)
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
@@ -90,6 +92,8 @@ class Drive:
         for key, value in chosen.items():
             self.parameters[self.kernel.places[name, key]] = value
         self.switches[self.kernel.flags[name]] = 1
+        for slot, _ in catalogue(everything=True)[name].terms:
+            self.switches[self.kernel.slots[slot]] = 1
         self.effects[name] = chosen
 
     @property
@@ -105,8 +109,7 @@ class Drive:
 
     def viscosity_ratio(self, oil_temperature):
         """Return the oil's viscosity over the one at which the tables were measured."""
-        grade = self.rig.line.oil_grade
-        return viscosity(oil_temperature, grade) / viscosity(self.rig.characterised_at, grade)
+        return viscosity(oil_temperature, self.rig.line.oil_grade) / self._table_viscosity
 
     def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
                     oil_temperature: np.ndarray) -> np.ndarray:
@@ -115,7 +118,7 @@ class Drive:
         self.kernel.load_record(
             *(np.ascontiguousarray(values, dtype=float)
               for values in (time, pprv_command, motor_speed, oil_temperature)),
-            self.parameters, self.switches, *self.tables, out)
+            self.parameters, self.switches, *self._fresh_tables(), out)
         return out
 
     def initial_state(self, *, pump_command: float = 0.0, pprv_command: float = 0.0,
@@ -175,8 +178,10 @@ class Drive:
                     for name in ('pump_command', 'pprv_command')]
         temperature = inputs.get('oil_temperature')
         if temperature is None:
-            temperature = np.full(n, self.rig.characterised_at)
-        temperature = np.ascontiguousarray(temperature, dtype=float)
+            temperature, ratio = np.full(n, self.rig.characterised_at), np.ones(n)
+        else:
+            temperature = np.ascontiguousarray(temperature, dtype=float)
+            ratio = self.viscosity_ratio(temperature)
         disturbance = inputs.get('load_disturbance')
         if disturbance is None:
             disturbance = np.zeros(n)
@@ -187,12 +192,17 @@ class Drive:
             state = self.initial_state(pump_command=commands[0][0], pprv_command=commands[1][0])
         out = np.empty((n, len(OUTPUTS)))
         self.kernel.simulate(
-            time, *commands, temperature, self.viscosity_ratio(temperature),
+            time, *commands, temperature, ratio,
             *(np.ascontiguousarray(values, dtype=float) for values in (disturbance, angle)), state,
-            self.parameters, self.switches, *self.tables, self.max_step, out)
+            self.parameters, self.switches, *self._fresh_tables(), self.max_step, out)
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
         readings['motor_torque'] = readings['load_torque']
         return readings
+
+    def _fresh_tables(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the tables for one call, which notes there in which cells it looked last."""
+        cells, layout = self.tables
+        return cells, layout.copy()
 
     def advance(self, state: np.ndarray, duration: float, *, pump_command: float,
                 pprv_command: float, oil_temperature: float | None = None,

@@ -12,44 +12,36 @@ the balances are read side by side.
 import math
 
 
-def interpolate(x, number, values, layout):
+def find(x, y, number, cells, layout):
+    """Note in which cell of a table ``x`` and ``y`` lie; see ``baseline_tables``."""
+    cell = layout[number, 0]
+    while x > cells[cell, 1]:
+        cell += layout[number, 1]
+    while x < cells[cell, 0]:
+        cell -= layout[number, 1]
+    while y > cells[cell, 3]:
+        cell += layout[number, 2]
+    while y < cells[cell, 2]:
+        cell -= layout[number, 2]
+    layout[number, 0] = cell
+
+
+def interpolate(x, number, cells, layout):
     """Look a value up in a table over one variable: linear, end values held."""
-    start = layout[number, 0]
-    last = layout[number, 1] - 1
-    shift = layout[number, 2] - start
-    if x <= values[start]:
-        return values[start + shift]
-    if x >= values[start + last]:
-        return values[start + last + shift]
-    i = start
-    while x > values[i + 1]:
-        i += 1
-    low = values[i + shift]
-    return low + (values[i + 1 + shift] - low) * (x - values[i]) / (values[i + 1] - values[i])
+    cell = layout[number, 0]
+    if not cells[cell, 0] <= x <= cells[cell, 1]:
+        find(x, 0.0, number, cells, layout)
+        cell = layout[number, 0]
+    return cells[cell, 4] + cells[cell, 5] * x
 
 
-def interpolate2(x, y, number, values, layout):
+def interpolate2(x, y, number, cells, layout):
     """Look a value up in a table over two variables: bilinear, end values held."""
-    i = layout[number, 0]
-    last = i + layout[number, 1] - 1
-    x = min(max(x, values[i]), values[last])
-    row = layout[number, 4]
-    columns = layout[number, 3]
-    while i < last - 1 and x > values[i + 1]:
-        i += 1
-        row += columns
-    j = layout[number, 2]
-    shift = row - j
-    last = j + columns - 1
-    y = min(max(y, values[j]), values[last])
-    while j < last - 1 and y > values[j + 1]:
-        j += 1
-    s = (x - values[i]) / (values[i + 1] - values[i])
-    t = (y - values[j]) / (values[j + 1] - values[j])
-    low = values[j + shift] + (values[j + shift + 1] - values[j + shift]) * t
-    shift += columns
-    high = values[j + shift] + (values[j + shift + 1] - values[j + shift]) * t
-    return low + (high - low) * s
+    cell = layout[number, 0]
+    if not (cells[cell, 0] <= x <= cells[cell, 1] and cells[cell, 2] <= y <= cells[cell, 3]):
+        find(x, y, number, cells, layout)
+        cell = layout[number, 0]
+    return cells[cell, 4] + cells[cell, 5] * x + (cells[cell, 6] + cells[cell, 7] * x) * y
 
 
 def smooth_sign(speed):
@@ -84,20 +76,22 @@ def played(follower, last, command, half, softness):
 
 
 def load_model(motor_speed, pprv_pressure, pprv_command, oil_temperature, motor_angle, p, on,
-               values, layout):
+               cells, layout):
     """Return the torque with which the loading unit brakes, Eq. (7) with the gear ratio."""
     pistons = p[P_pistons]
-    pressure = pprv_pressure + p[P_pprv_override] * (
-        p[P_gear_ratio] * p[P_load_displacement] * abs(motor_speed) - p[P_pprv_reference_flow])
+    displacement = p[P_load_displacement] * p[P_gear_ratio]
+    # What the speed does comes last: the next stage waits for it.
+    pressure = (pprv_pressure - p[P_pprv_override] * p[P_pprv_reference_flow]
+                + p[P_pprv_override] * displacement * abs(motor_speed))
     pressure = max(pressure, 0.0)
-    load_torque = pressure * p[P_load_displacement] * p[P_gear_ratio] / (
-        p[P_load_efficiency_scale] * interpolate(pressure, T_LOAD_EFFICIENCY, values, layout))
-    load_torque_extra = 0.0
+    load_torque = pressure * (displacement / p[P_load_efficiency_scale]) / interpolate(
+        pressure, T_LOAD_EFFICIENCY, cells, layout)
+    whole_load_torque = load_torque
     # slot load_torque
-    return load_torque + load_torque_extra
+    return whole_load_torque
 
 
-def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, values, layout, out):
+def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, cells, layout, out):
     """
     Evaluate the load model over a record at the measured speed.
 
@@ -108,11 +102,11 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, valu
     motor_angle = 0.0
     for k in range(len(time)):
         target = p[P_pprv_pressure_scale] * interpolate(
-            pprv_commands[k], T_PPRV_PRESSURE, values, layout)
+            pprv_commands[k], T_PPRV_PRESSURE, cells, layout)
         if k == 0:
             pprv_pressure = target
         load_torque = load_model(motor_speeds[k], pprv_pressure, pprv_commands[k],
-                                 oil_temperatures[k], motor_angle, p, on, values, layout)
+                                 oil_temperatures[k], motor_angle, p, on, cells, layout)
         load_torque *= smooth_sign(motor_speeds[k])
         torque_reading = load_torque
         # slot torque_reading
@@ -126,7 +120,7 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, valu
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
              twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
-             disturbance, p, on, values, layout):
+             disturbance, p, on, cells, layout):
     """
     Evaluate all balances at one instant.
 
@@ -146,10 +140,10 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     speed = abs(motor_speed)
     direction = smooth_sign(motor_speed)
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
-        pump_pressure, pump_command, T_PUMP_LEAKAGE, values, layout)
+        pump_pressure, pump_command, T_PUMP_LEAKAGE, cells, layout)
     pressure = pump_pressure
     motor_leakage = p[P_motor_leakage_scale] * interpolate2(
-        pressure, speed, T_MOTOR_LEAKAGE, values, layout)
+        pressure, speed, T_MOTOR_LEAKAGE, cells, layout)
     flow = motor_displacement * motor_speed + motor_leakage
 
     line_drop = 0.0
@@ -182,13 +176,14 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     back_pressure = 0.0
     # slot back_pressure
     efficiency = p[P_motor_efficiency_scale] * interpolate2(
-        pressure, speed, T_MOTOR_EFFICIENCY, values, layout)
+        pressure, speed, T_MOTOR_EFFICIENCY, cells, layout)
     load_side_speed = motor_speed
-    if on[ON_SHAFT]:
+    load_direction = direction
+    if on[SLOT_shaft_compliance]:
         load_side_speed = load_speed
-    load_direction = smooth_sign(load_side_speed)
+        load_direction = smooth_sign(load_speed)
     load_torque = load_model(load_side_speed, pprv_pressure, pprv_command, oil_temperature,
-                             motor_angle, p, on, values, layout) * load_direction
+                             motor_angle, p, on, cells, layout) * load_direction
     # What the model of the load does not explain brakes, too: it cannot move a drive at rest.
     load_torque += disturbance * abs(load_direction)
 
@@ -203,7 +198,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     shaft_torque = load_torque
     shaft_compliance = 0.0
     # slot shaft_compliance
-    if on[ON_SHAFT]:
+    if on[SLOT_shaft_compliance]:
         shaft_damping_time = SHAFT_DAMPING_TIME
         # slot shaft_damping_time
         softness = max(shaft_compliance, SHAFT_RIGID / p[P_inertia])
@@ -223,20 +218,22 @@ def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_to
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -back_rate), rate)
-    pressure_rate = (pump_flow - flow) / (compliance * p[P_volume])
+    # Not divided by what is known before: the next stage waits for both sums.
+    stiffness = 1.0 / (compliance * p[P_volume])
+    per_inertia = 1.0 / p[P_inertia]
+    pressure_rate = (pump_flow - flow) * stiffness
     if pump_pressure <= CAVITATION_PRESSURE and pressure_rate < 0.0:
         pressure_rate = 0.0
-    inertia = p[P_inertia]
     load_acceleration = 0.0
     twist_rate = 0.0
-    if on[ON_SHAFT]:
+    if on[SLOT_shaft_compliance]:
         shaft_load_share = SHAFT_LOAD_SIDE_SHARE
         # slot shaft_load_share
-        acceleration = (motor_torque - shaft_torque) / (inertia * (1.0 - shaft_load_share))
-        load_acceleration = (shaft_torque - load_torque) / (inertia * shaft_load_share)
+        acceleration = (motor_torque - shaft_torque) * per_inertia / (1.0 - shaft_load_share)
+        load_acceleration = (shaft_torque - load_torque) * per_inertia / shaft_load_share
         twist_rate = motor_speed - load_speed
     else:
-        acceleration = (motor_torque - load_torque) / inertia
+        acceleration = (motor_torque - load_torque) * per_inertia
     reading_rate = 0.0
     if reading_lag > 0.0:
         reading_rate = (motor_speed - reading) / reading_lag
@@ -249,7 +246,7 @@ def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_to
 
 
 def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_ratios, disturbances,
-             motor_angles, state, p, on, values, layout, max_step, out):
+             motor_angles, state, p, on, cells, layout, max_step, out):
     """
     Integrate over a record with the classical Runge-Kutta method of fourth order.
 
@@ -315,9 +312,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             # A shorter lag than this cannot be seen, and would be stiff.
             speed_reading_lag = max(speed_reading_lag, 0.5 * max_step)
         target = p[P_displacement_scale] * interpolate(
-            pump_command, T_DISPLACEMENT, values, layout)
+            pump_command, T_DISPLACEMENT, cells, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
-            pprv_command, T_PPRV_PRESSURE, values, layout)
+            pprv_command, T_PPRV_PRESSURE, cells, layout)
 
         if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
             pilot_aim = target
@@ -339,12 +336,15 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                  compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
                  speed_change, pump_speed_lag) = balances(
                     x0, x1, x2, x3, x4, x5, x6, x8, pump_command, pprv_command, oil_temperature,
-                    viscosity_ratio, disturbance + slope * (elapsed + ahead), p, on, values,
+                    viscosity_ratio, disturbance + slope * (elapsed + ahead), p, on, cells,
                     layout)
                 if stage == 0 and elapsed == 0.0:
                     if k == 0 and math.isnan(slowdown):
                         # Not known at the start: taken as settled.
                         slowdown = x8 = speed_change
+                    # Of the stage, not of the step, or the compiler takes what effects do with it
+                    # (a sine) out of this block and does it in every step.
+                    motor_angle = x4
                     pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
                     # slot pressure_reading
                     flow_reading = flow
@@ -377,7 +377,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     pprv_target, pump_lag, rate, back_rate, speed_reading_lag, p, on)
                 if stage == 0:
                     step = max_step
-                    if on[ON_SHAFT]:
+                    if on[SLOT_shaft_compliance]:
                         step = min(step, SHAFT_STEP * math.sqrt(
                             max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
                     # A full step would start in, or run into, what is stiff.
@@ -385,7 +385,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                             pump_pressure + max(r1, 0.0) * step
                             > STIFF_PRESSURE_SHARE * p[P_relief_set_pressure]):
                         step = min(step, 0.1 * max_step)
-                    if on[ON_SHAFT] and abs(load_speed) < 2.0 * STIFF_SPEED + abs(r5) * step:
+                    if on[SLOT_shaft_compliance] and (
+                            abs(load_speed) < 2.0 * STIFF_SPEED + abs(r5) * step):
                         # So much less inertia meets the same friction at standstill.
                         step = min(step, 0.1 * max_step) * SHAFT_STIFF_SHARE
                     remaining = interval - elapsed

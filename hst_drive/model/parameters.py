@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from hst_drive.rig import Curve, Rig
+from hst_drive.rig import Curve, Rig, Surface
 from hst_drive.rig.rig import WHOLE
 import numpy as np
 
@@ -73,28 +73,54 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
 
 def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     """
-    Return the tables in one vector, and where each lies in it.
+    Return the tables, cut into cells in which each is bilinear, and where each begins.
+
+    The kernel keeps the cell in which it looked last, so that it seldom searches, and never
+    divides. Cells without end around a table hold its end values.
 
     Returns
     -------
-    values : ndarray
-        All abscissae and values, one after another.
-    layout : ndarray of int, shape (tables, 5)
-        Place and length of the first axis, place and length of the second (place of the values
-        and 0 for a table over one variable), place of the values; rows as in ``TABLES``.
+    cells : ndarray, shape (cells, 8)
+        For each cell its bounds (low and high in x, then in y) and a, b, c, d of
+        ``a + b*x + (c + d*x)*y``. The cells of a table follow one another, y moving first.
+    layout : ndarray of unsigned int, shape (tables, 3)
+        Row of the first cell, and how far it is to the next in x and in y; rows as in ``TABLES``.
 
     """
     pump, motor, loading = rig.pump, rig.motor, rig.loading
     tables = (pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
               loading.pump_mechanical_efficiency, loading.pprv_pressure)
-    values, layout, end = [], [], 0
+    cells, layout, end = [], [], 0
     for table in tables:
-        parts = (table.x, table.y) if isinstance(table, Curve) else (table.x, table.y, table.z)
-        places = [end]
-        for part in parts:
-            values.append(np.ravel(part))
-            end += part.size
-            places.append(end)
-        layout.append((places[0], len(table.x), places[1], len(table.y) if len(parts) == 3 else 0,
-                       places[len(parts) - 1]))
-    return np.concatenate(values).astype(float), np.array(layout, dtype=np.int64)
+        found = _cells(table)
+        layout.append((end, found.shape[1], 1))
+        cells += [*found]
+        end += found.shape[0] * found.shape[1]
+    # Unsigned: with an index that may be negative the compiled code would look at its sign.
+    return np.concatenate(cells), np.array(layout, dtype=np.uint64)
+
+
+def _cells(table: Curve | Surface) -> np.ndarray:
+    """Return the cells of a table, shape (in x, in y, 8)."""
+    x, y, z = ((table.x, np.zeros(1), table.y[:, None]) if isinstance(table, Curve)
+               else (table.x, table.y, table.z))
+    found = np.empty((len(x) + 1, len(y) + 1, 8))
+    found[..., 0], found[..., 1], x_from, x_step = (part[:, None] for part in _intervals(x))
+    found[..., 2], found[..., 3], y_from, y_step = _intervals(y)
+    z = np.pad(z, 1, mode='edge')
+    corner = z[:-1, :-1]
+    b = (z[1:, :-1] - corner) / x_step
+    c = (z[:-1, 1:] - corner) / y_step
+    d = (z[1:, 1:] - z[1:, :-1] - z[:-1, 1:] + corner) / (x_step * y_step)
+    found[..., 4] = corner - b * x_from - (c - d * x_from) * y_from
+    found[..., 5] = b - d * y_from
+    found[..., 6] = c - d * x_from
+    found[..., 7] = d
+    return found
+
+
+def _intervals(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return low and high ends, origins and lengths of what lies between points, and beyond."""
+    # The value does not change in an outer cell: any length does.
+    return (np.append(-np.inf, points), np.append(points, np.inf), np.append(points[0], points),
+            np.concatenate([[1.0], np.diff(points), [1.0]]))

@@ -1,0 +1,40 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables, cut into cells, against SciPy's interpolation of the rig's numbers."""
+from hst_drive.model.kernel_template import interpolate, interpolate2
+from hst_drive.model.parameters import baseline_tables, TABLES
+from hst_drive.rig import Curve, default_rig
+import numpy as np
+import pytest
+from scipy.interpolate import RegularGridInterpolator
+
+RIG = default_rig()
+SOURCES = (RIG.pump.displacement, RIG.pump.leakage, RIG.motor.leakage,
+           RIG.motor.mechanical_efficiency, RIG.loading.pump_mechanical_efficiency,
+           RIG.loading.pprv_pressure)
+
+
+def points(axis, random):
+    """Return places inside, outside and exactly on the points of an axis, in no order."""
+    reach = np.ptp(axis)
+    found = np.concatenate([random.uniform(axis[0] - reach, axis[-1] + reach, 200), axis, axis])
+    random.shuffle(found)
+    return found
+
+
+@pytest.mark.parametrize('name', TABLES)
+def test_a_table_everywhere_in_any_order(name):
+    number, random = TABLES.index(name), np.random.default_rng(4)
+    table, (cells, layout) = SOURCES[number], baseline_tables(RIG)
+    x = points(table.x, random)
+    if isinstance(table, Curve):
+        want = np.interp(x, table.x, table.y)
+        found = [interpolate(value, number, cells, layout) for value in x]
+        size = np.max(np.abs(table.y))
+    else:
+        y = random.choice(points(table.y, random), len(x))
+        inside = np.clip(x, *table.x[[0, -1]]), np.clip(y, *table.y[[0, -1]])
+        want = RegularGridInterpolator((table.x, table.y), table.z)(np.column_stack(inside))
+        found = [interpolate2(*at, number, cells, layout) for at in zip(x, y)]
+        size = np.max(np.abs(table.z))
+    np.testing.assert_allclose(found, want, rtol=0, atol=1e-13 * size)
