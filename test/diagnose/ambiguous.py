@@ -86,8 +86,9 @@ def case(rig: Rig, truth: str, seed: int, duration: float = 120.0) -> Outcome | 
     if before.verdict != 'ambiguous':
         return Outcome(truth, seed, before.verdict, (), '', '', 0.0, '', named(before))
     rivals = of_diagnosis(as_json(before), 'diagnosis')
-    models = widened(rig, matched(rig, rivals), rivals.channels)
-    result = design(rig, models, rivals.channels, duration=duration)
+    likely = matched(rig, rivals)
+    result = design(rig, widened(rig, likely, rivals.channels), rivals.channels,
+                    duration=duration, likely=len(likely))
     second = advised_log(truth, seed, result.content, rig, result.sensor)
     after = diagnose(rig, [first, second])
     return Outcome(truth, seed, before.verdict, tuple('+'.join(entry) for entry in rivals.names),
