@@ -8,10 +8,11 @@ import os
 from typing import Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Model
+from hst_drive.diagnose.families import FAMILIES
 from hst_drive.diagnose.rehearse import sensors
 from hst_drive.diagnose.separation import CLEAR, driver, Record, Rehearsal, verify
 from hst_drive.diagnose.trials import (
-    ease, FAMILIES, plain_drilling, scenario, Segment, SPIN_UP, Trial)
+    ease, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.rig import Rig

@@ -11,11 +11,12 @@ from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.design import CLEAR, design
 from hst_drive.diagnose.designer import Designer, Verified, worth
+from hst_drive.diagnose.families import FAMILIES
 from hst_drive.diagnose.rehearse import rehearse
 from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, told_apart
 from hst_drive.diagnose.separation import driver, expected_sigma
 from hst_drive.diagnose.trials import (
-    FAMILIES, limits, plain_drilling, scenario, Segment, SPIN_UP, Trial)
+    limits, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario
 from hst_drive.load.loading_unit import LoadingUnit
