@@ -112,6 +112,8 @@ def sentence(result: Design) -> str:
     if result.unclear and result.advice != 'neither':
         reached += '; if it is ' + ' or '.join(map(' + '.join, result.unclear)) + \
             ' a rival may remain'
+        if result.gauges:
+            reached += f"; {' or '.join(result.gauges)} would tell"
     if result.advice == 'profile':
         return f'A test with the sensors that are there separates them ({reached}).'
     alone = f'No test within the limits is enough ({result.without_sensor:.1f} sigma)'
@@ -122,11 +124,9 @@ def sentence(result: Design) -> str:
         if result.advice == 'sensor':
             return f'{alone}; {sensor}: any test then separates them ({reached}).'
         return f'{alone}; {sensor} and play this test ({reached}).'
-    remedy = 'measure the part itself'
-    if result.doubtful:
-        remedy = f"hold the sensor of {' and '.join(result.doubtful)} against a calibrated one"
+    remedy = ' or '.join(result.gauges) or 'a measurement of the part itself'
     return f'{alone}, and no sensor that could be added changes that. The test below is the best '\
-           f'there is; if it leaves them apart by too little, {remedy}.'
+           f'there is; if it leaves them apart by too little, only {remedy} will tell.'
 
 
 def _differences(result: Design) -> str:
@@ -151,7 +151,7 @@ def as_json(result: Design, output: str | None) -> dict:
         'separates': result.rivals, 'significance': result.significance,
         'significance_without_sensor': result.without_sensor, 'sensor': result.sensor or None,
         'sensor_resolution': result.resolution if result.sensor else None,
-        'doubtful_sensors': result.doubtful, 'unclear': result.unclear,
+        'gauges': result.gauges, 'unclear': result.unclear,
         'sensor_options': result.options,
         'duration': result.trial.duration,
         'what': result.trial.words,

@@ -74,11 +74,11 @@ class Design:
     unclear: tuple[tuple[str, ...], ...] = ()
 
     @property
-    def doubtful(self) -> tuple[str, ...]:
-        """Channels whose sensors are among the explanations that stay unclear."""
-        effects = [catalogue()[name] for names in self.unclear for name in names]
-        return tuple(dict.fromkeys(channel for effect in effects for channel in effect.shows_in
-                                   if effect.slot.endswith('_reading')))
+    def gauges(self) -> tuple[str, ...]:
+        """What would measure by itself one of the explanations that stay unclear."""
+        return tuple(dict.fromkeys(
+            catalogue()[name].gauge for names in self.unclear for name in names
+            if catalogue()[name].gauge))
 
     @property
     def resolution(self) -> float:

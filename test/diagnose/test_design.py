@@ -6,15 +6,16 @@ import json
 from test.diagnose.ambiguous import advised_log, first_log, named
 
 from hst_drive.cli import main
+from hst_drive.cli.design import sentence
 from hst_drive.diagnose import designer, rivals
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.design import CLEAR, design
+from hst_drive.diagnose.design import CLEAR, Design, design
 from hst_drive.diagnose.designer import Designer, Verified, worth
 from hst_drive.diagnose.families import FAMILIES
 from hst_drive.diagnose.rehearse import rehearse
 from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, told_apart
-from hst_drive.diagnose.separation import driver, expected_sigma
+from hst_drive.diagnose.separation import Difference, driver, expected_sigma, Pair
 from hst_drive.diagnose.trials import (
     limits, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.errors import InputError
@@ -139,6 +140,19 @@ def test_the_best_explanation_weighs_as_much_as_all_others():
     assert Verified(trial, '', (9.0,)).clear == 1.0
     assert worth((1.0, 2.0, 4.0)) == pytest.approx(2.0)
     assert worth((50.0, 50.0)) == worth((60.0, 90.0))
+
+
+def test_the_advice_names_gauge_and_resolution():
+    """What stays unclear, what measures it directly, and what an added sensor must resolve."""
+    names = (('bearing_friction',), ('back_pressure',), ('pressure_sensor_bias',))
+    trial = Trial((Segment('load_steps', 0, 57.0),))
+    said = sentence(Design(names, 'neither', trial, {}, 0.4, 0.4, unclear=names[:2]))
+    assert 'No test' in said and 'gauge in the return line' in said
+    pairs = tuple(Pair(0, rival, 5.0, {'motor_inlet_pressure': Difference(rms, floors, rms)})
+                  for rival, rms, floors in ((1, 2e3, 0.1), (2, 4e5, 20.0)))
+    said = sentence(Design(names, 'both', trial, {}, 4.0, 0.4, 'motor_inlet_pressure',
+                           pairs=pairs))
+    assert 'motor_inlet_pressure that resolves 4 bar' in said and 'return line' not in said
 
 
 def _diagnosis(**changes):
