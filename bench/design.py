@@ -12,7 +12,7 @@ diagnosed together. Prints each case and the share of ambiguities that end with 
 """
 import argparse
 import json
-from test.diagnose.ambiguous import case
+from test.diagnose.ambiguous import case, Outcome
 import time
 
 from hst_drive.rig import default_rig
@@ -44,7 +44,7 @@ def main() -> None:
             print(f' ({", ".join(entry.rivals)}); {entry.advice}: {entry.test}, '
                   f'{entry.expected:.1f} sigma; {entry.after} {"+".join(entry.named)}: '
                   f'{"or " + ", ".join(entry.left) + " " if entry.left else ""}'
-                  f'{"right" if entry.right else "NOT RIGHT"}', end='')
+                  f'{_word(entry)}', end='')
         else:
             print(f' {"+".join(entry.named)}', end='')
         print(f' ({time.monotonic() - started:.0f} s)', flush=True)
@@ -55,7 +55,12 @@ def main() -> None:
     doubtful = [entry for entry in outcomes if entry.before == 'ambiguous']
     print(f'{sum(entry.right for entry in doubtful)} of {len(doubtful)} ambiguities ended with '
           f'the right name alone (in {sum(e.right and e.after == "unknown" for e in doubtful)} of '
-          f'them something beside it stays unknown); {tried} drives tried')
+          f'them something beside it stays unknown); in {sum(e.kept for e in doubtful)} more a '
+          f'set stays and the gauge that tells was named; {tried} drives tried')
+
+
+def _word(entry: Outcome) -> str:
+    return 'right' if entry.right else 'a gauge was named' if entry.kept else 'NOT RIGHT'
 
 
 if __name__ == '__main__':

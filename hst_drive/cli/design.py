@@ -72,10 +72,11 @@ def run(args: argparse.Namespace) -> int:
         return 0
     limits(rig)
     models = matched(rig, rivals)
+    likely = len(models)
     if not rivals.asked:
         models = widened(rig, models, rivals.channels)
     result = design(rig, models, rivals.channels, duration=args.duration,
-                    closed_loop=args.closed_loop, progress=progress_line())
+                    closed_loop=args.closed_loop, likely=likely, progress=progress_line())
     if args.output:
         write_yaml(result.content, args.output)
     if args.json != '-':
@@ -97,25 +98,35 @@ def text(result: Design, output: str | None) -> str:
               'linearised, as\nthe search ranks tests; played with noise it may be less):',
               _differences(result)]
     if result.options:
-        lines += ['', 'significance of the worst pair with one more sensor (linearised):', table(
+        lines += ['', 'significance expected with one more sensor (linearised):', table(
             ['channel', 'sigma'], sorted(result.options.items(), key=lambda item: -item[1]))]
     return '\n'.join(lines)
 
 
 def sentence(result: Design) -> str:
     """Return the advice in a sentence or two."""
-    reached = f'{result.significance:.1f} sigma for the worst pair, played with noise and fitted'
+    from hst_drive.measure.run import CHANNELS
+
+    reached = (f'{result.significance:.1f} sigma for the worst pair, played with noise and judged '
+               'together with plain drilling')
+    if result.unclear and result.advice != 'neither':
+        reached += '; if it is ' + ' or '.join(map(' + '.join, result.unclear)) + \
+            ' a rival may remain'
+        if result.gauges:
+            reached += f"; {' or '.join(result.gauges)} would tell"
     if result.advice == 'profile':
         return f'A test with the sensors that are there separates them ({reached}).'
-    alone = (f'No test within the limits is enough ({result.without_sensor:.1f} sigma, played '
-             'with noise and fitted)')
-    if result.advice == 'sensor':
-        return f'{alone}; add a sensor for {result.sensor}: any test then separates them ' \
-               f'({reached}).'
-    if result.advice == 'both':
-        return f'{alone}; add a sensor for {result.sensor} and play this test ({reached}).'
+    alone = f'No test within the limits is enough ({result.without_sensor:.1f} sigma)'
+    if result.sensor:
+        unit = CHANNELS[result.sensor].display
+        sensor = f'add a sensor for {result.sensor} that resolves ' \
+                 f'{from_si(result.resolution, unit):.2g} {unit}'
+        if result.advice == 'sensor':
+            return f'{alone}; {sensor}: any test then separates them ({reached}).'
+        return f'{alone}; {sensor} and play this test ({reached}).'
+    remedy = ' or '.join(result.gauges) or 'a measurement of the part itself'
     return f'{alone}, and no sensor that could be added changes that. The test below is the best '\
-           'there is; if it leaves them apart by too little, measure the part itself.'
+           f'there is; if it leaves them apart by too little, only {remedy} will tell.'
 
 
 def _differences(result: Design) -> str:
@@ -139,7 +150,10 @@ def as_json(result: Design, output: str | None) -> dict:
         'schema': 'hst_drive/design/1', 'advice': result.advice, 'sentence': sentence(result),
         'separates': result.rivals, 'significance': result.significance,
         'significance_without_sensor': result.without_sensor, 'sensor': result.sensor or None,
-        'sensor_options': result.options, 'duration': result.trial.duration,
+        'sensor_resolution': result.resolution if result.sensor else None,
+        'gauges': result.gauges, 'unclear': result.unclear,
+        'sensor_options': result.options,
+        'duration': result.trial.duration,
         'what': result.trial.words,
         'scenario_file': output,
         'scenario': result.content,

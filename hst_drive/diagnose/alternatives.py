@@ -3,36 +3,59 @@
 """What could stand in the place of an effect that was found."""
 from __future__ import annotations
 
+from typing import NamedTuple, Sequence
+
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import contribution
 from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.effects import catalogue
 
 _RIVALS_TRIED = 6
-_BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
-_BEATEN_SIGMA = 3.0
+BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
+BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
-_BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
+BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 
 
-def _beaten(search: Search, best: Candidate, rival: Candidate, without: Fit,
-            uncertain: float) -> bool:
+class Gap(NamedTuple):
     """
-    Say whether the data tell the rival from the best explanation.
+    What lies between the best explanation and a rival.
+
+    ``sigma`` is the greatest significance of a signal that they leave differently enough;
+    ``forms`` the squared difference over what another formula of the effect could make.
+    """
+
+    sigma: float
+    forms: float
+
+
+def gaps(search: Search, best: Candidate, rival: Candidate, without: Fit,
+         uncertain: float) -> list[Gap]:
+    """
+    Return what the data show between the best explanation and a rival.
 
     ``without`` is the best explanation with the effect in question taken out: a difference that
     another formula of that effect could make, a share ``uncertain`` of what it does, does not
-    count. Rivals have about as many parameters, so that what was fitted may judge, too.
+    count. Rivals have about as many parameters, so that what was fitted may judge, too: the first
+    gap is that on held-out, the second that on fitted data.
     """
+    found = []
     for held_out in (True, False):
-        found = search.gain(rival, best, held_out)
+        gain = search.gain(rival, best, held_out)
         done = contribution(search.campaign, without, best.fit, held_out)
         form = sum((uncertain * value)**2 for value in done.values())
-        if sum(max(value, 0.0) for value in found.amount.values()) >= form and any(
-                found.sigma[name] >= _BEATEN_SIGMA and found.share[name] >= _BEATEN_SHARE
-                for name in found.share):
-            return True
-    return False
+        found.append(Gap(
+            max((gain.sigma[name] for name in gain.share if gain.share[name] >= BEATEN_SHARE),
+                default=0.0),
+            sum(max(value, 0.0) for value in gain.amount.values()) / max(form, 1e-12)))
+    return found
+
+
+def uncertainty(names: Sequence[str], others: Sequence[str]) -> float:
+    """Return the share of what effects do by which formulas may differ beside these others."""
+    alike = [max(catalogue()[name].formula_error, catalogue()[other].formula_error)
+             for name in names for other in others if other in catalogue()[name].alike]
+    return max(alike, default=_BEATEN_FORM)
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
@@ -54,11 +77,9 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     standing = []
     for rival in sorted(found, key=lambda item: item.score):
         entry = next(entry for entry in rival.names if entry not in others)
-        uncertain = _BEATEN_FORM
-        if entry in alike:
-            uncertain = max(catalogue()[one].formula_error for one in (name, entry))
-        if rival.score - best.score <= _BEATEN_SCORE or not (
+        if rival.score - best.score <= BEATEN_SCORE or not (
                 at_its_end(rival.fit.model, entry)
-                or _beaten(search, best, rival, without, uncertain)):
+                or any(gap.sigma >= BEATEN_SIGMA and gap.forms >= 1.0 for gap in gaps(
+                    search, best, rival, without, uncertainty((name,), (entry,))))):
             standing.append(entry)
     return tuple(standing)

@@ -12,7 +12,7 @@ from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.rehearse import rehearse
 from hst_drive.diagnose.result import require_schema
 from hst_drive.diagnose.separation import (
-    CLEAR, driver, recorded, Rehearsal, SHARE, within_limits)
+    CLEAR, driver, recorded, Rehearsal, within_limits)
 from hst_drive.diagnose.trials import plain_drilling, scenario
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
@@ -21,7 +21,8 @@ from hst_drive.load.scenario import parse_scenario
 from hst_drive.rig import Rig
 
 _TWINS = 2
-_MOST, _WIDEST = 5, 6     # explanations that a diagnosis left, and with their twins
+_MOST, _WIDEST = 7, 8     # explanations that a diagnosis left, and with their twins
+_STANDS_IN = 0.5          # of what the lead explains: less is no explanation of the same logs
 
 
 class Rivals(NamedTuple):
@@ -143,20 +144,40 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
     lead = next((model for model in rivals.models if model is not None), None) or Model(
         {name: catalogue()[name].typical for name in rivals.names[0]})
     lead = Model(lead.effects, within_limits(lead.factors, rig.tolerances))
-    campaign, models = None, []
+    place, models = None, []
     for names, model in zip(rivals.names, rivals.models):
         if model is None and tuple(names) == tuple(lead.effects):
             model = lead
         if model is None:
-            campaign = campaign or _drilling(rig, lead, rivals.channels)
-            start = Model({name: lead.effects.get(name, catalogue()[name].typical)
-                           for name in names}, lead.factors)
-            effects = fit(campaign, start, iterations=3).model.effects
+            place = place or _Place(rig, lead, rivals.channels)
             # One that could not take the other's place at all keeps its typical size.
-            model = Model({name: values if _matters(name, values) else catalogue()[name].typical
-                           for name, values in effects.items()})
+            model = place.taken(names) or Model(place.start(names).effects)
         models.append(Model(model.effects, lead.factors))
     return models
+
+
+class _Place:
+    """What an explanation does on a plain drilling log, for others to take its place there."""
+
+    def __init__(self, rig: Rig, lead: Model, channels: Iterable[str]):
+        self.lead, self.campaign = lead, _drilling(rig, lead, channels)
+        self.explained = self._cost(lead)
+
+    def start(self, names: Sequence[str]) -> Model:
+        """Return a model with these effects, those of the lead with its sizes."""
+        return Model({name: self.lead.effects.get(name, catalogue()[name].typical)
+                      for name in names}, self.lead.factors)
+
+    def taken(self, names: Sequence[str]) -> Model | None:
+        """Return the sizes at which effects do the same, None if they cannot."""
+        shared = {name: values for name, values in self.lead.effects.items() if name in names}
+        bare = self._cost(Model(shared, self.lead.factors))
+        found = fit(self.campaign, self.start(names), iterations=3)
+        enough = bare - found.cost >= _STANDS_IN * (bare - self.explained) > 0
+        return found.model if enough else None
+
+    def _cost(self, model: Model) -> float:
+        return fit(self.campaign, model, iterations=3, kept=_sizes(model)).cost
 
 
 def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[Model]:
@@ -179,9 +200,13 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
     found = sorted((rehearsal.pair(0, place, channels).significance, place)
                    for place in range(1, len(others) + 1))
-    near = [others[place - 1] for sigma, place in found[:room] if sigma < CLEAR]
-    names = tuple(tuple(model.effects) for model in (*models, *near))
-    return matched(rig, Rivals(names, (*models, *(None for _ in near)), tuple(channels)))
+    near = [tuple(others[place - 1].effects) for sigma, place in found[:2 * _TWINS]
+            if sigma < CLEAR]
+    place = _Place(rig, models[0], channels)
+    # What fits as well without being there is no twin: no test could tell it from nothing.
+    twins = [Model(taken.effects, models[0].factors)
+             for taken in map(place.taken, near) if taken]
+    return models + twins[:room]
 
 
 def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
@@ -191,7 +216,5 @@ def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
     return Campaign(rig, [recorded(played, channels)])
 
 
-def _matters(name: str, values: dict[str, float]) -> bool:
-    usual, none = catalogue()[name].typical, catalogue()[name].neutral
-    return any(abs(value - none[key]) > 2 * SHARE * abs(usual[key] - none[key])
-               for key, value in values.items() if usual[key] != none[key])
+def _sizes(model: Model) -> list[tuple[str, str]]:
+    return [(name, key) for name, values in model.effects.items() for key in values]

@@ -5,18 +5,21 @@ How well a test would tell rival explanations apart.
 
 Expected: linearised, from one rehearsal. Of the difference between two rivals that part counts
 which neither the second one's own parameters nor the unit's tolerances can take up, and that is
-more than a real machine is off any formula. Verified: every rival in turn makes a noisy record,
-all are fitted to it, and the rules of a diagnosis judge.
+more than a real machine is off any formula. Verified: every rival in turn makes noisy records of
+what is known and of the test, all are fitted to both, and the rules of a diagnosis judge.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Iterable, NamedTuple, Sequence
 
+from hst_drive.diagnose.alternatives import (
+    BEATEN_SCORE, BEATEN_SHARE, gaps, uncertainty)
 from hst_drive.diagnose.campaign import BLOCK, Campaign, Model
 from hst_drive.diagnose.fit import SIGMAS, Unknowns
 from hst_drive.diagnose.rehearse import INPUTS, rehearse
-from hst_drive.diagnose.search import Search
+from hst_drive.diagnose.search import at_its_end, Candidate, Search
+from hst_drive.diagnose.trials import SPIN_UP
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -25,10 +28,10 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 CLEAR = 3.5             # sigma of the worst pair at which a diagnosis will tell rivals apart
-SHARE = 0.03            # of the held-out squared error: less does not tell models apart
-# Of what an effect does to a signal: so far a real machine may be off its formula in what tells
-# two formulas apart.
-FORM = 0.04
+# Times the squared difference that another formula could make: a machine is off in its own way.
+SAFE = 2.0
+EMPTY = 0.015           # of the relief valve's set pressure: the line is not safely filled
+_TRUTHS = 4             # explanations that make records of their own, the likeliest
 _HELD_OUT = 1 / 3       # share of the blocks that will judge
 _INDEPENDENT = 20.0     # independent samples in a block of noise
 _MOST = 99.0
@@ -85,15 +88,19 @@ class Rehearsal:
     def __init__(self, rig: Rig, scenario: Scenario, models: Sequence[Model], seed: int):
         self.models = tuple(models)
         run = rehearse(driver(rig, models[0]), scenario, seed)
-        self.highest = float(np.nanmax(run['pump_outlet_pressure']))
+        shared = set.intersection(*(set(model.effects) for model in models))
+        common = Model({name: models[0].effects[name] for name in shared}, models[0].factors)
+        self.highest = float(np.nanmax(_pressure(run)))
+        # What a rival adds to the pressure may be the sensor's error: without any the line must
+        # stay filled, too.
+        self.empty = max(float(np.mean(_pressure(played) < EMPTY * rig.relief_valve.set_pressure))
+                         for played in (run, rehearse(driver(rig, common), scenario, seed)))
         campaign = Campaign(rig, [run])
         self.unknowns = [Unknowns(campaign, model) for model in models]
         self.vectors = [unknowns.pack(model) for unknowns, model in zip(self.unknowns, models)]
         count = self.unknowns[0].factors
         base = campaign.errors(models[0])
-        shared = set.intersection(*(set(model.effects) for model in models))
-        bare = campaign.errors(Model({name: models[0].effects[name] for name in shared},
-                                     models[0].factors))
+        bare = campaign.errors(common)
         moved = [campaign.errors(model) if place else base for place, model in enumerate(models)]
         factors = [self._derivative(campaign, 0, k, base) for k in range(count)]
         own = [[self._derivative(campaign, place, k, moved[place])
@@ -140,24 +147,28 @@ class Rehearsal:
         root = np.linalg.cholesky(normal + np.diag(prior) + np.diag(1e-9 * np.diag(normal) + 1e-9))
         move = lsq_linear(root.T, np.linalg.solve(root, -gradient),
                           (unknowns.low - vector - 1e-9, unknowns.high - vector + 1e-9)).x
-        energy, sigmas, differences = 0.0, [0.0], {}
+        energy, sigmas, amount, form, differences = 0.0, [0.0], 0.0, 0.0, {}
         for part in chosen:
             left = (part.shifts[rival] - part.shifts[truth] + np.hstack(
                 [part.factors, part.own[rival]]) @ move)
             energy += float(left @ left) * part.thin**2
             count = np.bincount(part.blocks)
             blocks = (np.bincount(part.blocks, left**2) / np.maximum(count, 1))[count > 0]
-            form = FORM**2 * float(np.mean((part.shifts[truth] - part.bare)**2))
-            sigmas.append(expected_sigma(blocks) * min(blocks.mean() / (form + 1e-9), 1.0))
+            sigmas.append(expected_sigma(blocks))
+            amount += float(blocks.mean())
+            form += float(np.mean((part.shifts[truth] - part.bare)**2))
             rms = float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
             differences[part.signal] = Difference(
                 rms * part.floor, rms, float(np.max(np.abs(left), initial=0.0)) * part.floor)
-        return Pair(truth, rival, float(min(max(sigmas), np.sqrt(energy), _MOST)), differences)
+        form *= _uncertainty(self.models[truth], self.models[rival])**2
+        return Pair(truth, rival, float(min(
+            max(sigmas) * min(amount / (SAFE * form + 1e-9), 1.0), np.sqrt(energy), _MOST)),
+            differences)
 
-    def pairs(self, channels: Iterable[str]) -> list[Pair]:
-        """Return all pairs, each in one order."""
+    def pairs(self, channels: Iterable[str], likely: int | None = None) -> list[Pair]:
+        """Return the pairs of one of the first ``likely`` models (all) with one after it."""
         channels = tuple(channels)
-        return [self.pair(truth, rival, channels) for truth in range(len(self.models))
+        return [self.pair(truth, rival, channels) for truth in range(likely or len(self.models))
                 for rival in range(truth + 1, len(self.models))]
 
 
@@ -178,7 +189,11 @@ def expected_sigma(blocks: np.ndarray) -> float:
     noise = 4 * clipped.mean() / _INDEPENDENT
     error = np.sqrt((clipped.var() + noise) / held) + 1e-9
     share = blocks.mean() / (1.0 + blocks.mean())
-    return float(min(clipped.mean() / error, _MOST) * min(share / (2 * SHARE), 1.0))
+    return float(min(clipped.mean() / error, _MOST) * min(share / (2 * BEATEN_SHARE), 1.0))
+
+
+def _pressure(run: Run) -> np.ndarray:
+    return run['pump_outlet_pressure'][run.time > SPIN_UP]
 
 
 def driver(rig: Rig, model: Model) -> Drive:
@@ -195,27 +210,55 @@ def recorded(run: Run, channels: Iterable[str]) -> Run:
                                   if name in kept})
 
 
-def verify(rig: Rig, scenario: Scenario, models: Sequence[Model], channels: Iterable[str],
-           seed: int) -> float:
-    """
-    Return the significance of the worst pair when all rivals are fitted to noisy records.
+class Record(NamedTuple):
+    """A scenario and the channels that are recorded of it."""
 
-    Each rival makes a record in turn; the unit's factors are free, as in a diagnosis.
+    scenario: Scenario
+    channels: tuple[str, ...]
+
+
+def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely: int,
+           seed: int) -> list[float]:
     """
-    channels, worst = tuple(channels), _MOST
-    for truth, model in enumerate(models):
-        run = recorded(rehearse(driver(rig, model), scenario, seed + truth), channels)
-        search = Search(Campaign(rig, [run]), [])
-        fitted = search.try_all([(tuple(entry.effects), entry) for entry in models], '')
-        best = fitted[truth]
-        done = search.done(best)
-        for rival in fitted[:truth] + fitted[truth + 1:]:
-            found = search.gain(rival, best)
-            sigma = max((found.sigma[name] for name in found.share
-                         if found.share[name] >= SHARE
-                        and found.amount[name] >= (FORM * done[name])**2), default=0.0)
-            worst = min(worst, sigma, np.sqrt(max(rival.score - best.score, 0.0)))
-    return float(max(worst, 0.0))
+    Return how far each explanation would come out above the others, in sigma.
+
+    The first ``likely`` models (four at most) make noisy records in turn; all are fitted to
+    those, the unit's factors free, and judged as in a diagnosis. The nearest rival counts.
+    """
+    apart = []
+    for truth, model in enumerate(models[:min(likely, _TRUTHS)]):
+        campaign = Campaign(rig, [
+            recorded(rehearse(driver(rig, model), play, seed + len(records) * truth + place),
+                     channels) for place, (play, channels) in enumerate(records)])
+        search = Search(campaign, [])
+        best = search.try_all([(tuple(model.effects), model)], '')[0]
+        found = []
+        for rival in (*models[:truth], *models[truth + 1:]):
+            names = tuple(rival.effects)
+            kept = Model({name: values for name, values in best.fit.model.effects.items()
+                          if name in rival.effects}, best.fit.model.factors)
+            search.try_all([(names, rival)], '')
+            if len(names) == len(kept.effects) + 1:
+                search.try_all([(names, kept)], '', again=True)
+            found.append(_apart(search, best, search.try_all([(names, rival)], '')[0], kept))
+        apart.append(min(found))
+    return apart
+
+
+def _apart(search: Search, best: Candidate, rival: Candidate, kept: Model) -> float:
+    """Return in sigma how far a diagnosis would see the best above a rival."""
+    if rival.score - best.score <= BEATEN_SCORE:
+        return 0.0
+    if any(at_its_end(rival.fit.model, name) for name in rival.names if name not in best.names):
+        return _MOST
+    without = best.fit._replace(errors=search.campaign.errors(kept))
+    found = gaps(search, best, rival, without, _uncertainty(best.fit.model, rival.fit.model))
+    return float(max(0.0, *(gap.sigma * min(gap.forms / SAFE, 1.0) for gap in found)))
+
+
+def _uncertainty(first: Model, second: Model) -> float:
+    return uncertainty([name for name in first.effects if name not in second.effects],
+                       [name for name in second.effects if name not in first.effects])
 
 
 def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:

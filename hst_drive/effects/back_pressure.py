@@ -31,4 +31,5 @@ EFFECT = Effect(
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
     alike=('bearing_friction', 'pressure_sensor_bias'),
     formula_error=0.3,      # at low pressure nobody knows which losses it takes with it
+    gauge='a pressure gauge in the return line',
 )

@@ -153,6 +153,8 @@ class Effect:
     starts : tuple of dict of str to float
         Parameters from which a fit may start besides the typical ones: where the error has
         several valleys, one of them must lie in each.
+    gauge : str
+        What would measure it by itself, for advice where no channel of a drive does.
     searched : str
         Where a diagnosis tries it: 'always', only in logs of a part ('parts'), or 'never'.
 
@@ -176,6 +178,7 @@ class Effect:
     alike: tuple[str, ...] = ()
     formula_error: float = 0.18
     starts: tuple[dict[str, float], ...] = ()
+    gauge: str = ''
     searched: str = 'always'
 
     def __post_init__(self):

@@ -24,4 +24,5 @@ EFFECT = Effect(
     source='Sensitivity error of a sensor: IEC 61298-2; flow measurement of hydraulic machines: '
            'ISO 4409.',
     shows_in=('motor_inlet_flow',),
+    gauge='a calibrated flow meter in the same line',
 )

@@ -24,4 +24,5 @@ EFFECT = Effect(
            'Doebelin, Measurement Systems, McGraw-Hill 2003.',
     shows_in=('pump_outlet_pressure',),
     alike=('back_pressure', 'bearing_friction'),
+    gauge='a calibrated gauge beside the pressure sensor',
 )

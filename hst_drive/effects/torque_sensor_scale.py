@@ -27,4 +27,5 @@ EFFECT = Effect(
     source='Sensitivity error of a sensor: IEC 61298-2; E. O. Doebelin, Measurement Systems, '
            'McGraw-Hill 2003.',
     shows_in=('load_torque',),
+    gauge='known weights on the torque sensor',
 )

@@ -16,6 +16,7 @@ from hst_drive.diagnose.design import design
 from hst_drive.diagnose.document import as_json
 from hst_drive.diagnose.result import Diagnosis
 from hst_drive.diagnose.rivals import matched, of_diagnosis, widened
+from hst_drive.effects import catalogue
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario
 from hst_drive.measure.run import Run
@@ -37,6 +38,14 @@ class Outcome(NamedTuple):
     after: str
     named: tuple[str, ...]
     left: tuple[str, ...] = ()
+    gauges: tuple[str, ...] = ()
+
+    @property
+    def kept(self) -> bool:
+        """Whether a set with the truth stays, and the design named the gauge that tells."""
+        standing = (*self.named, *self.left)
+        return len(self.named) == 1 and bool(self.left) and self.truth in standing and any(
+            catalogue()[name].gauge in self.gauges for name in standing)
 
     @property
     def right(self) -> bool:
@@ -86,12 +95,13 @@ def case(rig: Rig, truth: str, seed: int, duration: float = 120.0) -> Outcome | 
     if before.verdict != 'ambiguous':
         return Outcome(truth, seed, before.verdict, (), '', '', 0.0, '', named(before))
     rivals = of_diagnosis(as_json(before), 'diagnosis')
-    models = widened(rig, matched(rig, rivals), rivals.channels)
-    result = design(rig, models, rivals.channels, duration=duration)
+    likely = matched(rig, rivals)
+    result = design(rig, widened(rig, likely, rivals.channels), rivals.channels,
+                    duration=duration, likely=len(likely))
     second = advised_log(truth, seed, result.content, rig, result.sensor)
     after = diagnose(rig, [first, second])
     return Outcome(truth, seed, before.verdict, tuple('+'.join(entry) for entry in rivals.names),
                    f'{result.advice} {result.sensor}'.strip(), result.trial.words,
                    result.significance, after.verdict, named(after),
                    tuple(entry for found in after.effects
-                         for entry in found.indistinguishable_from))
+                         for entry in found.indistinguishable_from), result.gauges)
