@@ -18,7 +18,7 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.strangers import strangers, without
+from hst_drive.diagnose.strangers import beside, strangers, without
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -69,7 +69,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)
-    remaining = unknowns.describe(campaign, best.fit) if left else None
+    more = '' if left or better else beside(search, best)
+    remaining = unknowns.describe(campaign, best.fit, bool(more)) if left or more else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)
@@ -92,6 +93,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         verdict=verdict, sentence=' '.join([
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'{name} {entry.told}.' for name, entry in better.items()),
+            *([f'{more[0].upper()}{more[1:]}.'] if more else []),
             *(f'{entry.told}; mend the sensor or leave its column out.' for entry in drifting)]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen

@@ -12,11 +12,11 @@ where the stranger is clearly better, by more than formulas are off machines, th
 from __future__ import annotations
 
 import copy
-from typing import Callable, Collection, NamedTuple
+from typing import Callable, Collection, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL, unharmed
+from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
@@ -30,6 +30,7 @@ from scipy.optimize import minimize_scalar
 # Standard errors: more than for an effect of the list, since a stranger has a freer form and is
 # judged on what it was fitted to as well.
 _SURE = 5.0
+_DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 _LONGEST = 0.4          # s, dead time
 _RESOLVED = 2e-3        # s
 _ROUNDS = 2             # of delay and unit in turn
@@ -38,6 +39,11 @@ _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 _FREER = {slot: ('a leakage that goes with pressure and pump command', 'formula_pump_flow',
                  (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump')))
           for slot in ('pump_flow_loss', 'pump_speed')}
+
+
+# The same beside all that was found: rough rock hides what comes back with each turn.
+_BESIDE = ('a load that goes with the angle of the shaft', 'formula_load',
+           (('torque', 'cosine'), ('torque', 'sine')))
 
 
 class Stranger(NamedTuple):
@@ -74,11 +80,26 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
         for trial in (_formula(search, best, name), _dead_time(search, best, name)):
             beaten = _beaten(search, best, trial.fit) if trial else None
             if beaten:
-                signal, share = beaten
-                found[name] = Stranger(
-                    f'comes near, but {trial.what} in its place leaves {100 * share:.0f} % less '
-                    f'squared error of {CHANNELS[signal].title}', trial.unknown)
+                found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
+                                       f'{_share(beaten)}', trial.unknown)
     return found
+
+
+def beside(search: Search, best: Candidate) -> str:
+    """
+    Say what fits better beside a set, though nothing seems to be left; empty if nothing does.
+
+    A rough load scatters so much that its noise ratio hides what a formula shows clearly.
+    """
+    trial = None if isinstance(search.campaign, PartCampaign) else _fitted(
+        search.campaign, best.fit.model, *_BESIDE)
+    beaten = _beaten(search, best, trial.fit) if trial else None
+    return f'{trial.what} leaves {_share(beaten)}' if beaten else ''
+
+
+def _share(beaten: tuple[str, float]) -> str:
+    signal, share = beaten
+    return f'{100 * share:.0f} % less squared error of {CHANNELS[signal].title}'
 
 
 def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
@@ -93,28 +114,32 @@ def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
 def _beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] | None:
     """Return the signal in which a stranger is clearly better, and by what share of its square."""
     trial = Candidate((), fitted, score(search.campaign, fitted))
-    gains = {held_out: search.gain(best, trial, held_out) for held_out in (False, True)}
-    if trial.score >= best.score or not all(unharmed(entry) for entry in gains.values()):
+    if trial.score >= best.score:
         return None
-    shares = {}
-    for held_out, found in gains.items():
+    shares: dict[str, float] = {}
+    for held_out in (False, True):
+        found = search.gain(best, trial, held_out)
         done = contribution(search.campaign, search.base, best.fit, held_out)
+        lost = -sum(min(amount, 0.0) for amount in found.amount.values())
         for name, share in found.share.items():
-            if share >= PRACTICAL and found.sigma[name] >= _SURE and (
-                    found.amount[name] >= (FORM_SHARE * done[name])**2):
+            if share >= PRACTICAL and found.sigma[name] >= _SURE and found.amount[name] >= max(
+                    (FORM_SHARE * done[name])**2, _DEARER * lost):
                 shares[name] = max(share, shares.get(name, 0.0))
     return max(shares.items(), key=lambda item: item[1], default=None)
 
 
 def _formula(search: Search, best: Candidate, name: str) -> Trial | None:
     """Fit a formula in the place of an effect; None if there is none for its place."""
-    campaign = search.campaign
-    what, formula, terms = _FREER.get(catalogue()[name].slot, ('', '', ()))
-    if not formula or formula in campaign.rig.effects:
+    freer = _FREER.get(catalogue()[name].slot)
+    return _fitted(search.campaign, best.fit.model.without(name), *freer) if freer else None
+
+
+def _fitted(campaign: Campaign, model: Model, what: str, formula: str,
+            terms: Sequence[Sequence[str]]) -> Trial | None:
+    if formula in campaign.rig.effects:
         return None
     faint = _FAINT * FORMULAS[formula].parameters[0].typical
-    start = best.fit.model.without(name).with_effect(
-        formula, values(formula, [(faint, term) for term in terms]))
+    start = model.with_effect(formula, values(formula, [(faint, term) for term in terms]))
     return Trial(what, fit(campaign, start), None)
 
 

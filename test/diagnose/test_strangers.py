@@ -6,7 +6,7 @@ import re
 from bench.campaigns import as_runs
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.search import Search
-from hst_drive.diagnose.strangers import strangers
+from hst_drive.diagnose.strangers import beside, strangers
 import pytest
 
 from ..truth import make_campaign
@@ -41,3 +41,13 @@ def test_dead_time_is_told_with_its_size():
     assert (found.enters, found.depends_on) == ('pump_actuator', ('pump_command',))
     told = float(re.search(r'([0-9.]+) s later', found.expression)[1])
     assert told == pytest.approx(made.truth['si_parameters']['dead_time'], abs=0.01)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('hidden, told', [({'bit_eccentricity': 0.6}, True), ({}, False),
+                                          ({'piston_ripple': 1.0}, False)])
+def test_load_of_each_turn_is_told_from_a_rough_one(hidden, told):
+    """Rough rock is no angle's, and a piston passes seven times a turn."""
+    made = make_campaign(43, hidden)
+    search = Search(Campaign(*as_runs(made)), ())
+    assert bool(beside(search, search.baseline)) is told
