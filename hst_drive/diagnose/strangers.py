@@ -33,6 +33,7 @@ _SURE = 5.0
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 _LONGEST = 0.4          # s, dead time
 _RESOLVED = 2e-3        # s
+_PATIENT = 8            # steps of the fit that gives an effect the same chance
 _ROUNDS = 2             # of delay and unit in turn
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 # Slot of an effect: what is tried there, its formula and terms.
@@ -78,11 +79,23 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
         return found
     for name in best.names:
         for trial in (_formula(search, best, name), _dead_time(search, best, name)):
-            beaten = _beaten(search, best, trial.fit) if trial else None
+            if trial is None or not _beaten(search, best, trial.fit):
+                continue
+            # The fit may have ended in another valley: the effect gets the same chance.
+            beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
             if beaten:
                 found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
                                        f'{_share(beaten)}', trial.unknown)
     return found
+
+
+def _again(search: Search, best: Candidate, name: str, stranger: Fit) -> Candidate:
+    """Fit a set from where the stranger ended that stood in the place of one of its effects."""
+    effects = {key: stranger.model.effects.get(key, own)
+               for key, own in best.fit.model.effects.items()}
+    fitted = fit(search.campaign, Model(effects, stranger.model.factors), iterations=_PATIENT)
+    again = Candidate(best.names, fitted, score(search.campaign, fitted))
+    return min(best, again, key=lambda item: item.score)
 
 
 def beside(search: Search, best: Candidate) -> str:

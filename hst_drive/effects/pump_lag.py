@@ -35,5 +35,5 @@ EFFECT = Effect(
            'Springer 2003.',
     shows_in=('motor_speed', 'motor_inlet_flow', 'pump_displacement'),
     # In one row with the displacement's own lag, which the unit's tolerance may take up instead.
-    starts=({'series': 1.0},),
+    starts=({'series': 0.5},),
 )
