@@ -18,6 +18,7 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.strangers import beside, strangers, without
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -65,11 +66,15 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     best = search.run()
+    better = strangers(search, best)
+    best = without(search, best, better)
     left = search.unexplained(best)
-    remaining = unknowns.describe(campaign, best.fit) if left else None
+    more = '' if left or better else beside(search, best)
+    remaining = unknowns.describe(campaign, best.fit, bool(more)) if left or more else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)
+    remaining = next((entry.unknown for entry in better.values() if entry.unknown), remaining)
     drifting = [entry for entry in drifting if entry.channel in left]
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
@@ -82,19 +87,23 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
     ambiguous = any(rivals.values())
-    verdict = ('unknown' if left else 'none' if not effects
+    verdict = ('unknown' if left or remaining else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
         verdict=verdict, sentence=' '.join([
-            _sentence(verdict, effects, ladder, remaining).strip(), *(
-                f'{entry.told}; mend the sensor or leave its column out.' for entry in drifting)]),
+            _sentence(verdict, effects, ladder, remaining).strip(),
+            *(f'{name} {entry.told}.' for name, entry in better.items()),
+            *([f'{more[0].upper()}{more[1:]}.'] if more else []),
+            *(f'{entry.told}; mend the sensor or leave its column out.' for entry in drifting)]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in hidden and entry.id not in best.names},
         calibration=_calibration(campaign, best.fit), unknown=remaining,
         next_test=_next_test(search, best, rivals) if ambiguous else None,
-        rivals=_why_lost(search, best, rivals), rig=rig.source or rig.name,
-        rig_digest=rig.digest, logs=tuple(run.source for run in (*runs, *holdout)))
+        rivals={**_why_lost(search, best, rivals),
+                **{name: entry.told for name, entry in better.items()}},
+        rig=rig.source or rig.name, rig_digest=rig.digest,
+        logs=tuple(run.source for run in (*runs, *holdout)))
 
 
 def _unit(effect: str, key: str) -> str:

@@ -35,7 +35,7 @@ class Carried(NamedTuple):
     score: float
 
 
-def describe(campaign: Campaign, model: Fit) -> Unknown | None:
+def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | None:
     """
     Say where the remaining error enters and on what it depends.
 
@@ -45,6 +45,8 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
         The data.
     model : Fit
         The best that listed effects can do.
+    sure : bool
+        Something is left, though the noise ratios do not tell.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
         None if no structured error is left, neither on held-out logs nor on those fitted.
 
     """
-    left = any(unexplained(campaign, model, {}, held_out) for held_out in (True, False))
+    left = sure or any(unexplained(campaign, model, {}, held_out) for held_out in (True, False))
     place = locate(campaign, model) if left else None
     if place is None:
         return None
