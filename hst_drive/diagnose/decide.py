@@ -91,10 +91,12 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
         verdict=verdict, sentence=' '.join([
+            # What is named beside a sensor that drifts may be the drift.
+            *(f'{entry.told}; mend the sensor or leave its column out first.'
+              for entry in drifting),
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'{name} {entry.told}.' for name, entry in better.items()),
-            *([f'{more[0].upper()}{more[1:]}.'] if more else []),
-            *(f'{entry.told}; mend the sensor or leave its column out.' for entry in drifting)]),
+            *([f'{more[0].upper()}{more[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in hidden and entry.id not in best.names},

@@ -21,7 +21,8 @@ SIGMAS = 3.0
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
-_FITS, _BETTER = 0.1, 0.7   # squared error over the floor's; share of it
+_FITS = 0.1     # squared error over the floor's
+_HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
 
@@ -206,14 +207,22 @@ def calibrated(campaign: Campaign) -> Fit:
     Return the fit of the unit's factors alone.
 
     Where the model stalls and the machine does not, or the other way round, a few seconds may
-    keep all else from being fitted: then they are left to the effects.
+    keep all else from being fitted: if all else then fits down to the noise, they are left to
+    the effects. What comes back is no event, but physics that shows only there.
     """
     plain = fit(campaign, Model(), iterations=5, refresh=True)
     if _excess(campaign, plain) < _FITS:
         return plain
     trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
-    better = _excess(campaign, trimmed) < _BETTER * _excess(campaign, plain)
-    return trimmed if better else plain
+    alone = _excess(campaign, trimmed) < _FITS and _is_one_event(campaign, trimmed)
+    return trimmed if alone else plain
+
+
+def _is_one_event(campaign: Campaign, fitted: Fit) -> bool:
+    """Tell whether the blocks that the fit leaves far off lie side by side."""
+    worst = np.nanmax(list(campaign.blocks(fitted.errors, False).values()), axis=0)
+    hot = np.flatnonzero(worst > _HOT)
+    return len(hot) == 0 or int(hot[-1] - hot[0]) < _LONGEST
 
 
 def _excess(campaign: Campaign, fitted: Fit) -> float:

@@ -3,7 +3,7 @@
 """A small part of the benchmark of the diagnosis, and its arithmetic."""
 from test.truth import make_campaign
 
-from bench.campaigns import as_runs, SEEDS, Task, tasks
+from bench.campaigns import as_runs, campaign, SEEDS, Task, tasks
 from bench.diagnosis import judge, told
 from bench.score import named, report, wilson
 from hst_drive.diagnose.decide import diagnose
@@ -61,6 +61,14 @@ def test_a_model_that_stalls_where_the_machine_does_not_is_calibrated_all_the_sa
                 'motor_inlet_flow', 'motor_speed', 'load_torque')
     made = make_campaign(1702003, rig_seed=1702003, channels=channels)
     assert diagnose(*as_runs(made)).verdict == 'none'
+
+
+def test_what_shows_in_a_few_quick_steps_only_is_no_event():
+    """A rate limit, seen in 4 of 89 blocks; without them a wrong unit fits well."""
+    task = next(task for task in tasks('dev') if task.seed == 11031)
+    assert task.effects.keys() == {'pump_rate_limit'}
+    assert [entry.id for entry in diagnose(*as_runs(campaign(task))).effects] == [
+        'pump_rate_limit']
 
 
 def test_stick_slip_is_named_though_its_phase_is_lost():
