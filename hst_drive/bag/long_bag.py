@@ -37,12 +37,8 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
 
     Parameters
     ----------
-    path, channel_map
-        As for ``read_bag``.
-    seconds : float
-        Length of a section, s; the last one takes a rest of less than half of that.
-    before, after : float
-        Overlap with the sections before and after, s.
+    path, channel_map, seconds, before, after
+        As for ``csv_sections``.
 
     Raises
     ------
