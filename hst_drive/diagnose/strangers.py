@@ -104,8 +104,10 @@ def beside(search: Search, best: Candidate) -> str:
 
     A rough load scatters so much that its noise ratio hides what a formula shows clearly.
     """
+    # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
+    # in every diagnosis.
     trial = None if isinstance(search.campaign, PartCampaign) else _fitted(
-        search.campaign, best.fit.model, *_BESIDE)
+        search.campaign, best.fit.model, *_BESIDE, known=search.factors)
     beaten = _beaten(search, best, trial.fit) if trial else None
     return f'{trial.what} leaves {_share(beaten)}' if beaten else ''
 
@@ -148,12 +150,12 @@ def _formula(search: Search, best: Candidate, name: str) -> Trial | None:
 
 
 def _fitted(campaign: Campaign, model: Model, what: str, formula: str,
-            terms: Sequence[Sequence[str]]) -> Trial | None:
+            terms: Sequence[Sequence[str]], known: np.ndarray | None = None) -> Trial | None:
     if formula in campaign.rig.effects:
         return None
     faint = _FAINT * FORMULAS[formula].parameters[0].typical
     start = model.with_effect(formula, values(formula, [(faint, term) for term in terms]))
-    return Trial(what, fit(campaign, start), None)
+    return Trial(what, fit(campaign, start, known=known), None)
 
 
 def _dead_time(search: Search, best: Candidate, name: str) -> Trial | None:
