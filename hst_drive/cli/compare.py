@@ -65,13 +65,13 @@ def run(args: argparse.Namespace) -> int:
     if result is None:
         result = compare(model_of(rig, runs), runs, closed_loop=args.closed_loop,
                          all_seconds=args.all)
-    # With the JSON on standard output, nothing else may stand there.
-    if args.json != '-':
-        print(text(result))
     if args.json:
         write_json(as_json(result, rig.source), args.json)
     if args.plot:
         _plot(result, args.plot)
+    # Last, for who reads it may have gone ('| head'). With the JSON there, nothing else may stand.
+    if args.json != '-':
+        print(text(result))
     return 0
 
 

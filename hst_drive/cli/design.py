@@ -79,10 +79,10 @@ def run(args: argparse.Namespace) -> int:
                     closed_loop=args.closed_loop, likely=likely, progress=progress_line())
     if args.output:
         write_yaml(result.content, args.output)
-    if args.json != '-':
-        print(text(result, args.output))
     if args.json:
         write_json(as_json(result, args.output), args.json)
+    if args.json != '-':
+        print(text(result, args.output))
     return 0
 
 

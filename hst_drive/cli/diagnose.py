@@ -48,13 +48,13 @@ def run(args: argparse.Namespace) -> int:
             say(f'{entry.name}: {note}')
     training, held = runs[:len(args.logs)], runs[len(args.logs):]
     result = diagnose(rig, training, held, progress=progress_line())
-    if args.json != '-':
-        print(text(result))
     if args.json:
         write_json(as_json(result), args.json)
     if args.plot:
         ladder_figure(result.ladder, args.plot)
         say(f'wrote {args.plot}')
+    if args.json != '-':
+        print(text(result))
     return 0
 
 

@@ -72,10 +72,10 @@ def run(args: argparse.Namespace) -> int:
         say(f'what is done is kept in {args.results}; the same command goes on from there')
         raise
     summary = summarise(rows)
-    if args.json != '-':
-        print(text(rows, summary))
     if args.json:
         write_json({'schema': 'hst_drive/fleet/1', 'rows': rows, **_json(summary)}, args.json)
+    if args.json != '-':
+        print(text(rows, summary))
     if args.output:
         write_text(fleet_page(f'Fleet: {args.place}', sentence(rows, summary), rows, summary,
                               [f'{len(rows)} campaigns', f'{len(summary.machines)} machines']),

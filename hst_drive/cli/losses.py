@@ -75,10 +75,10 @@ def run(args: argparse.Namespace) -> int:
                          table.source, oil)
         _say_all(args.bench, table.notes + bench.notes)
         content, shown = _motors(args, bench, oil)
-    if args.json != '-':
-        print(shown)
     if args.json:
         write_json(named(content), args.json)
+    if args.json != '-':
+        print(shown)
     return 0
 
 

@@ -69,10 +69,10 @@ def run(args: argparse.Namespace) -> int:
     except RunFailed as problem:
         say(f'hst-drive run: {problem}')
         return 1
-    if args.json != '-':
-        print(report(result))
     if args.json:
         write_json(result, args.json)
+    if args.json != '-':
+        print(report(result))
     return 130 if result['interrupted'] else 0
 
 

@@ -291,3 +291,15 @@ def test_what_is_doubtful_is_told_of_sections_too(tmp_path, capsys):
         said.append([line for line in capsys.readouterr().err.splitlines()
                      if 'L/s as L/min' in line])
     assert len(said[0]) == 1 and said[0] == said[1]
+
+
+def test_files_are_written_though_nobody_reads_the_text(log, tmp_path):
+    """As with ``| head``."""
+    process = subprocess.Popen(
+        [sys.executable, '-u', '-c', 'from hst_drive import cli; import sys; '
+         f"sys.exit(cli.main(['compare', {str(log)!r}, '--json', {str(tmp_path / 'c.json')!r}]))"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    process.stderr.read()
+    process.wait()
+    assert json.loads((tmp_path / 'c.json').read_text())['signals']
