@@ -107,23 +107,22 @@ def sentence(result: Design) -> str:
     """Return the advice in a sentence or two."""
     from hst_drive.measure.run import CHANNELS
 
-    reached = (f'{result.significance:.1f} sigma for the worst pair, played with noise and judged '
-               'together with plain drilling')
-    if result.unclear and result.advice != 'neither':
-        reached += '; if it is ' + ' or '.join(map(' + '.join, result.unclear)) + \
-            ' a rival may remain'
+    worst = 'sigma for the worst pair, played with noise and judged together with plain drilling'
+    apart = f'separates them ({result.significance:.1f} {worst})'
+    if result.unclear:
+        apart = ('separates the others; if it is '
+                 + ' or '.join(map(' + '.join, result.unclear)) + ', a rival may remain')
         if result.gauges:
-            reached += f"; {' or '.join(result.gauges)} would tell"
+            apart += f": {' or '.join(result.gauges)} would tell"
     if result.advice == 'profile':
-        return f'A test with the sensors that are there separates them ({reached}).'
-    alone = f'No test within the limits is enough ({result.without_sensor:.1f} sigma)'
+        return f'A test with the sensors that are there {apart}.'
+    alone = ('No test within the limits is enough with the sensors that are there '
+             f'({result.without_sensor:.1f} {worst})')
     if result.sensor:
         unit = CHANNELS[result.sensor].display
-        sensor = f'add a sensor for {result.sensor} that resolves ' \
-                 f'{from_si(result.resolution, unit):.2g} {unit}'
-        if result.advice == 'sensor':
-            return f'{alone}; {sensor}: any test then separates them ({reached}).'
-        return f'{alone}; {sensor} and play this test ({reached}).'
+        test = 'any test' if result.advice == 'sensor' else 'this test'
+        return (f'{alone}. With a sensor for {result.sensor} that resolves '
+                f'{from_si(result.resolution, unit):.2g} {unit} {test} {apart}.')
     remedy = ' or '.join(result.gauges) or 'a measurement of the part itself'
     return f'{alone}, and no sensor that could be added changes that. The test below is the best '\
            f'there is; if it leaves them apart by too little, only {remedy} will tell.'
