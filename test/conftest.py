@@ -25,12 +25,13 @@ BAGS = ('mcap', 'mcap_ros2', 'rosbags')
 NEEDS = {
     **dict.fromkeys(('bag/test_bags.py', 'bag/test_blocks.py', 'bag/test_cdr.py',
                      'bag/test_channels.py', 'bag/test_csv_log.py', 'bag/test_foreign.py',
-                     'bag/test_fuzz.py', 'bag/test_recovery.py'), BAGS),
+                     'bag/test_fuzz.py', 'bag/test_long_bag.py', 'bag/test_recovery.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
+    'diagnose/test_strangers.py': ('numba',),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
