@@ -48,8 +48,7 @@ def set_forward_again(topics: Sequence[Written], notes: list[str]) -> list[np.nd
     for number, topic in enumerate(topics):
         # A sensor may have a clock of its own.
         for step in steps_back(topic):
-            topic = topic._replace(stamps=topic.stamps + np.where(
-                topic.order >= step.order, step.lost, 0))
+            topic = topic._replace(stamps=_moved(topic, topic, step))
             notes.append(_told(f'{topic.name}: its clock', step, topic))
         topics[number] = topic
     return [topic.stamps for topic in topics]

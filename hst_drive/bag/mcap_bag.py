@@ -124,8 +124,7 @@ def cut_error(path: Path, shown: Path | None = None) -> InputError:
                           'block of messages: nothing can be read; record it again')
     return InputError(f'{shown}: the bag was cut off (its end is missing): at least '
                       f'{found.seconds:.1f} s with {found.messages} messages can be read; save '
-                      'them with: '
-                      f'{recover_command(shown)}')
+                      f'them with: {recover_command(shown)}')
 
 
 def _summary(file: BinaryIO) -> Summary | None:

@@ -144,7 +144,6 @@ class BagSignals:
                 pick for pick in wanted if pick.entry.channel in self._only
                 and (pick.path in topic.seen or not _may_be_empty(pick))]))
         stamps = _common_clock([topic for topic, _ in chosen], self.notes)
-        _out_of_step([topic for topic, _ in chosen], self.notes)
         stamps = set_forward_again([Written(topic.topic, topic.order, times) for (topic, _), times
                                     in zip(chosen, stamps)], self.notes)
         if not any(wanted for _, wanted in chosen):
@@ -176,6 +175,7 @@ def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.n
     """Return stamps of one clock: the messages' own ones, or the times of publishing."""
     stamps = [topic.stamps for topic in topics]
     published = [topic.published for topic in topics]
+    _out_of_step([topic.topic for topic in topics], stamps, published, notes)
     if all(map(_usable, stamps)) and _overlap(stamps):
         return stamps
     own = [_usable(times) and np.median(np.abs(times - other)) < _APART
@@ -189,10 +189,11 @@ def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.n
     return [times if good else other for times, other, good in zip(stamps, published, own)]
 
 
-def _out_of_step(topics: Sequence[TopicNumbers], notes: list[str]) -> None:
+def _out_of_step(names: Sequence[str], stamps: Sequence[np.ndarray | None],
+                 published: Sequence[np.ndarray], notes: list[str]) -> None:
     """Tell of topics whose stamps lie further before their publishing than those of others."""
-    ages = {topic.topic: float(np.median(topic.published - topic.stamps)) for topic in topics
-            if _usable(topic.stamps)}
+    ages = {name: float(np.median(other - times))
+            for name, times, other in zip(names, stamps, published) if _usable(times)}
     usual = float(np.median(list(ages.values()))) if ages else 0.0
     for name, age in ages.items():
         if _LATE < abs(age - usual) and abs(age) < _APART:

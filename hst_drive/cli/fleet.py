@@ -74,13 +74,13 @@ def run(args: argparse.Namespace) -> int:
     summary = summarise(rows)
     if args.json:
         write_json({'schema': 'hst_drive/fleet/1', 'rows': rows, **_json(summary)}, args.json)
-    if args.json != '-':
-        print(text(rows, summary))
     if args.output:
         write_text(fleet_page(f'Fleet: {args.place}', sentence(rows, summary), rows, summary,
                               [f'{len(rows)} campaigns', f'{len(summary.machines)} machines']),
                    args.output)
         say(f'wrote {args.output}')
+    if args.json != '-':
+        print(text(rows, summary))
     return 0
 
 

@@ -63,10 +63,8 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
         values = channels[name].copy()
         if len(faults.spikes):
             values[faults.spikes] = np.nan
-            places = ', '.join(f'{time[place]:.4g}' for place in faults.spikes[:_TOLD])
-            more = ' and later' if len(faults.spikes) > _TOLD else ''
             notes.append(f'{name}: {len(faults.spikes)} of {len(time)} samples are spikes that '
-                         f'no other channel follows (at {places} s{more}); left out')
+                         f'no other channel follows ({_at(time[faults.spikes])}); left out')
         for first, end in faults.frozen:
             values[first:end] = np.nan
         if faults.frozen:
@@ -113,11 +111,14 @@ def without_lost_rows(time: np.ndarray, channels: Mapping[str, np.ndarray],
         return dict(channels), []
     clean = {name: np.where(lost & np.isin(values, _NULLS), np.nan, values)
              for name, values in channels.items()}
-    places = np.flatnonzero(lost)
-    more = ' and later' if len(places) > _TOLD else ''
-    return clean, [f'{len(places)} of {len(time)} rows are 0 in all readings (at '
-                   f'{", ".join(f"{time[place]:.4g}" for place in places[:_TOLD])} s{more}): '
-                   'lost by the logger; left out']
+    return clean, [f'{np.count_nonzero(lost)} of {len(time)} rows are 0 in all readings '
+                   f'({_at(time[lost])}): lost by the logger; left out']
+
+
+def _at(times: np.ndarray) -> str:
+    """Return the first of some times for a note."""
+    more = ' and later' if len(times) > _TOLD else ''
+    return f'at {", ".join(f"{time:.4g}" for time in times[:_TOLD])} s{more}'
 
 
 def find_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> dict[str, Faults]:
