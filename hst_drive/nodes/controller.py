@@ -266,9 +266,9 @@ class Controller(DriveNode):
 
     def _waits(self) -> str:
         """Return for which topics it still waits, and what is there of them; '' if for none."""
-        topics = [self.inputs[name] for name, absent in zip(('motor', self._wanted),
-                                                            self._watch.missing) if absent]
-        return topics and 'waiting for ' + ', '.join(entry.found() for entry in topics) or ''
+        topics = [self.inputs[name].found() for name, absent in zip(('motor', self._wanted),
+                                                                    self._watch.missing) if absent]
+        return f'waiting for {", ".join(topics)}' if topics else ''
 
     def _due(self, read_at: int) -> int:
         """Return the grid time of this sample, so that slack does not add up."""

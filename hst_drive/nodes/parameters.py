@@ -12,8 +12,6 @@ from rclpy.parameter import Parameter as RosParameter
 _TYPES = {bool: RosParameter.Type.BOOL, int: RosParameter.Type.INTEGER,
           float: RosParameter.Type.DOUBLE, str: RosParameter.Type.STRING,
           list: RosParameter.Type.STRING_ARRAY}
-
-
 _QOS = 'qos_overrides.'
 
 

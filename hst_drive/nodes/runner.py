@@ -81,7 +81,7 @@ def _hear(progress: dict, name: str, line: str) -> None:
 def _fail(plan: Plan, died: NodeDied, progress: dict) -> None:
     folder, kept = plan.output, ''
     if folder.is_dir() and not (folder / 'metadata.yaml').is_file():
-        kept = (f'; the bag was cut off, save what it holds with: '
+        kept = ('; the bag was cut off, save what it holds with: '
                 f'{bag.recover_command(folder)}')
     elif folder.is_dir() and not progress['messages']:
         shutil.rmtree(folder)   # made by this very run, and nothing in it

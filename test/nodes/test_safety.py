@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Every row of the table of faults in docs/integration.md, on the controller's own process."""
+from contextlib import contextmanager
 import math
 import os
 import time
@@ -111,15 +112,23 @@ def _header(now):
     return Header(stamp=now.to_msg())
 
 
+@contextmanager
+def surroundings(namespace='drive', domain=None):
+    """Give a machine and take it down again."""
+    made = Machine(namespace, domain)
+    try:
+        yield made
+    finally:
+        made.node.destroy_node()
+        rclpy.shutdown(context=made.context)
+
+
 @pytest.fixture(scope='module')
 def machine():
     """Return a machine around a controller that runs."""
-    with node('controller', *TIMES):
-        made = Machine()
+    with node('controller', *TIMES), surroundings() as made:
         wait_for(made.motor.get_subscription_count)
         yield made
-        made.node.destroy_node()
-        rclpy.shutdown(context=made.context)
 
 
 def goes_to_zero(machine, kind, stop_time=STOP_TIME, **what):
@@ -208,8 +217,8 @@ def test_a_reset_is_refused_while_the_cause_is_there(machine):
 
 def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_heard():
     from std_msgs.msg import Bool
-    machine, apart = Machine('other'), ('-r', '__ns:=/other')
-    try:
+    apart = '-r', '__ns:=/other'
+    with surroundings('other') as machine:
         with node('controller', *apart, *TIMES, '-p', 'mode:=open_loop'):
             machine.run_up(wish=None, manual=6.0)
             machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
@@ -226,16 +235,12 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
             # It may have commanded while discovery was under way: that goes down the ramp.
             machine.until(lambda: machine.told.get('fault') == 'emergency_stop'
                           and machine.commands[-1][1] == 0.0)
-    finally:
-        machine.node.destroy_node()
-        rclpy.shutdown(context=machine.context)
 
 
 def test_it_says_what_it_waits_for_and_who_else_commands():
     from geometry_msgs.msg import Vector3Stamped
     from rclpy.qos import QoSProfile, ReliabilityPolicy
-    machine = Machine('third')
-    try:
+    with surroundings('third') as machine:
         with node('controller', '-r', '__ns:=/third', *TIMES):
             machine.until(lambda: '/third/speed_setpoint (it has a publisher, but no' in
                           machine.told.get('message', ''), wish=None)
@@ -252,17 +257,13 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
         with node('controller', '-r', '__ns:=/third', *TIMES):
             machine.until(lambda: '/third/speed_setpoint (its publisher does not fit' in
                           machine.told['message'])
-    finally:
-        machine.node.destroy_node()
-        rclpy.shutdown(context=machine.context)
 
 
 def test_a_stop_outlives_deactivate_and_activate():
     from lifecycle_msgs.msg import Transition
     from lifecycle_msgs.srv import ChangeState
     from std_srvs.srv import SetBool
-    machine = Machine('fourth')
-    try:
+    with surroundings('fourth') as machine:
         with node('controller', '-r', '__ns:=/fourth', *TIMES, managed=True):
             change = machine.node.create_client(ChangeState, 'controller/change_state')
 
@@ -287,9 +288,6 @@ def test_a_stop_outlives_deactivate_and_activate():
             machine.until(lambda: machine.told.get('against_reset') == '')
             assert machine.reset().success
             machine.run_up()
-    finally:
-        machine.node.destroy_node()
-        rclpy.shutdown(context=machine.context)
 
 
 def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_path, monkeypatch):
@@ -299,16 +297,12 @@ def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_pat
     # Another controller, that of the other tests, still listens in this domain.
     domain = 1 + int(os.environ['ROS_DOMAIN_ID']) % 101
     monkeypatch.setenv('ROS_DOMAIN_ID', str(domain))
-    machine = Machine(domain=domain)
-    try:
+    with surroundings(domain=domain) as machine:
         process = start('run', 'paper_step', '-o', str(tmp_path / 'bag'), '--duration', '12')
         wait_for(lambda: machine.tick(None, None) or machine.commands or process.poll())
         wait_for(lambda: machine.tick(None, None) or machine.commands[-1][1] > 2.0)
         machine.stop.publish(Bool(data=True))
         _, err = process.communicate(timeout=PATIENCE)
-    finally:
-        machine.node.destroy_node()
-        rclpy.shutdown(context=machine.context)
     assert process.returncode == 0, err
     with AnyReader([tmp_path / 'bag']) as bag:
         found = [(connection.topic, bag.deserialize(data, connection.msgtype))
