@@ -31,7 +31,7 @@ NEEDS = {
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
-    'diagnose/test_strangers.py': ('numba',),
+    **dict.fromkeys(('diagnose/test_strangers.py', 'diagnose/test_return_line.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}

@@ -142,6 +142,7 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
           (Field('temperature', 'degC', 'oil temperature', 'oil_temperature'),)),
     _pressure('pump_outlet_pressure', 'pump outlet pressure', 'pump_outlet'),
     _pressure('motor_inlet_pressure', 'hydromotor inlet pressure', 'motor_inlet', on=False),
+    _pressure('motor_outlet_pressure', 'hydromotor outlet pressure', 'motor_outlet', on=False),
     _scalar('motor_inlet_flow', 'm^3/s', 'hydromotor inlet flow', 'motor_inlet', 'plant'),
     _scalar('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', 'plant', on=False),
     Topic('motor', JOINT_STATE, 'motor', 'plant', (

@@ -112,7 +112,8 @@ class PartCampaign(Campaign):
         """Say whether a parameter is fitted: here also the shape of a friction curve."""
         if name not in catalogue():
             return super().fits(name, key)
-        return not catalogue()[name].parameter(key).whole_drive
+        parameter = catalogue()[name].parameter(key)
+        return not parameter.whole_drive and self.recorded(parameter)
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

@@ -61,6 +61,7 @@ def places(campaign: Campaign) -> list[Place]:
     per_torque = 1.0 / (0.88 * rig.motor.displacement)
     flow, speed, pressure = 'motor_inlet_flow', 'motor_speed', 'pump_outlet_pressure'
     torque, displacement = 'load_torque', rig.motor.displacement
+    outlet = 'motor_outlet_pressure'
     found = [
         Place('oil delivered by the pump', 'flow', flow, 'm^3/s',
               {flow: 1.0, speed: 1.0 / displacement}, _PUMP, 'formula_pump_flow', 'pump flow'),
@@ -70,6 +71,7 @@ def places(campaign: Campaign) -> list[Place]:
         Place('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE)),
         Place('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
               _TORQUE, 'formula_torque', 'hydromotor torque'),
+        Place('return line', 'torque', outlet, 'Pa', {outlet: 1.0, pressure: 1.0}, _TORQUE),
         Place('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
         Place('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
               ('load_torque', *_TORQUE)),
@@ -104,6 +106,7 @@ def _parts(campaign: PartCampaign) -> list[Place]:
         'case drain': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
                        'formula_motor_flow', -1.0),
         'stroke': ('displacement of the pump', 'pump_actuator', 'm^3/rad', _PUMP, '', 1.0),
+        'return line': ('return line', 'torque', 'Pa', _TORQUE, '', 1.0),
         'line': ('pressure lost in the line', 'torque', 'Pa', ('motor_inlet_flow', *_TORQUE), '',
                  1.0),
     }

@@ -25,6 +25,7 @@ def sensors(rig: Rig) -> dict[str, Sensor]:
     flow_range = rig.pump.max_displacement * rig.pump.shaft_speed
     usual = {
         'pump_outlet_pressure': pressure, 'motor_inlet_pressure': pressure,
+        'motor_outlet_pressure': pressure,
         'motor_inlet_flow': Sensor(1.2e-3 * flow_range),
         'case_drain_flow': Sensor(2.5e-4 * flow_range), 'motor_speed': Sensor(0.016),
         'load_torque': Sensor(0.0015 * rig.motor.displacement * rig.relief_valve.set_pressure),

@@ -11,24 +11,36 @@ def outlet(motor_speed, outlet_pressure, flow_share):
     return outlet_pressure * (1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
 
 
+def loss(motor_speed, motor_displacement, efficiency, outlet_pressure, flow_share, loss_share):
+    """Return the torque that it takes beyond what the efficiency leaves of it, N.m."""
+    return (1.0 - efficiency) * loss_share * motor_displacement * outlet_pressure * (
+        1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
+
+
 EFFECT = Effect(
     id='back_pressure',
     title='the hydromotor discharges against a return pressure',
     slot='back_pressure',
     function=outlet,
-    equation='T = eta * (P - P_out) * D_m, P_out = outlet_pressure * (1 + flow_share * '
-             '(|omega| / (10 rad/s) - 1))',
+    also=(('motor_torque_loss', loss),),
+    equation='T = (eta * (P - P_out) - (1 - eta) * loss_share * P_out) * D_m, '
+             'P_out = outlet_pressure * (1 + flow_share * (|omega| / (10 rad/s) - 1))',
     parameters=(
         Parameter('outlet_pressure', 'Pa', 0.0, 6e6, 4e5,
                   'gauge pressure at the hydromotor outlet, at 10 rad/s'),
         Parameter('flow_share', '1', 0.0, 0.6, 0.0,
                   'share of it that goes with the flow (filter, return pipe)', whole_drive=True),
+        # With the load's size alone nobody could tell it from a higher pressure.
+        Parameter('loss_share', '1', 0.0, 2.0, 0.0,
+                  '0: losses follow the difference of the port pressures, 1: the inlet pressure, '
+                  '2: their sum', needs='motor_outlet_pressure'),
     ),
     telltale='Pressure is too high by the same amount at every load; at every speed, too, unless '
              'the return line throttles.',
     source='Torque of a hydromotor from the difference of its port pressures: H. E. Merritt, '
            'Hydraulic Control Systems, Wiley 1967; ISO 4409. Laminar return line: the same.',
-    shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
+    shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure',
+              'motor_speed'),
     alike=('bearing_friction', 'pressure_sensor_bias'),
     formula_error=0.3,      # at low pressure nobody knows which losses it takes with it
     gauge='a pressure gauge in the return line',

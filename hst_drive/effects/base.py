@@ -64,7 +64,7 @@ READABLE: dict[str, str] = {
     'motor_speed': 'rad/s', 'motor_angle': 'rad', 'pump_command': 'V', 'pprv_command': 'V',
     'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
     'twist': 'rad', 'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s',
-    'motor_displacement': 'm^3/rad',
+    'motor_displacement': 'm^3/rad', 'efficiency': '1',
     'max_displacement': 'm^3/rad', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
     'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
 }
@@ -73,7 +73,7 @@ READABLE: dict[str, str] = {
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist'}
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'efficiency'}
 _KNOWN: dict[str, frozenset[str]] = {
     'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
     'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
@@ -102,7 +102,8 @@ class Parameter:
     ``neutral`` switches the effect off; ``low`` and ``high`` bound what is plausible on a real
     machine; ``typical`` is a size at which the effect matters and where a fit may start. A
     ``fixed`` parameter is chosen, not fitted; one of the ``whole_drive`` is fitted there only: in
-    logs of a part its values compete as effects of their own.
+    logs of a part its values compete as effects of their own. One that ``needs`` a channel is
+    fitted only where that is recorded.
     """
 
     name: str
@@ -114,6 +115,7 @@ class Parameter:
     neutral: float = 0.0
     fixed: bool = False
     whole_drive: bool = False
+    needs: str = ''
 
 
 @dataclass(frozen=True)

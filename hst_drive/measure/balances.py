@@ -52,6 +52,8 @@ BALANCES: tuple[Balance, ...] = (
             ('motor_inlet_flow',)),
     Balance('case drain', ('case_drain_flow',), (PRESSURES, ('motor_speed',)),
             ('motor.leakage_L_min',)),
+    Balance('return line', ('motor_outlet_pressure',), (PRESSURES, ('motor_speed',)),
+            ('motor.displacement_cc_rev',)),
     Balance('line', ('pump_outlet_pressure',), (('motor_inlet_pressure',),), ('line',)),
 )
 

@@ -253,6 +253,9 @@ class PartReplay:
     def _case_drain(self, model, known, channels, name) -> np.ndarray:
         return model.motor_leakage(known)
 
+    def _return_line(self, model, known, channels, name) -> np.ndarray:
+        return model.terms('back_pressure', known) + np.zeros(len(self.run))
+
     def _line(self, model, known, channels, name) -> np.ndarray:
         pressure = channels['motor_inlet_pressure'] + model.line_drop(known)
         return pressure + model.terms('pressure_reading', {**known, 'pressure': pressure})

@@ -46,6 +46,7 @@ CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
     Channel('pump_speed', 'rpm', 'linear', 'pump shaft speed'),
     Channel('pump_outlet_pressure', 'bar', 'linear', 'pump outlet pressure'),
     Channel('motor_inlet_pressure', 'bar', 'linear', 'hydromotor inlet pressure'),
+    Channel('motor_outlet_pressure', 'bar', 'linear', 'hydromotor outlet pressure'),
     Channel('motor_inlet_flow', 'L/min', 'linear', 'hydromotor inlet flow'),
     Channel('case_drain_flow', 'L/min', 'linear', 'case drain flow'),
     Channel('motor_speed', 'rpm', 'linear', 'hydromotor speed'),

@@ -44,7 +44,8 @@ CONSTANTS = {
 OUTPUTS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque',
     'pump_displacement', 'motor_inlet_pressure', 'case_drain_flow', 'pump_speed',
-    'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure')
+    'motor_torque_hydraulic', 'pump_flow', 'relief_flow', 'pprv_pressure',
+    'motor_outlet_pressure')
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
     'twist', 'speed_reading', 'play', 'last_command', 'slowdown',

@@ -127,7 +127,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     Returns flow into the hydromotor, its inlet pressure, its torque, load torque, flow that the
     pump delivers beyond the relief valve's, pump speed, hydromotor leakage, compressibility,
     shaft torque, relief flow, pressure drop of the line, compliance of the shaft, change of the
-    pump speed once it has settled and its lag.
+    pump speed once it has settled and its lag, pressure at the hydromotor's outlet.
     """
     motor_displacement = p[P_motor_displacement]
     max_displacement = p[P_max_displacement]
@@ -207,7 +207,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         shaft_torque = (twist + shaft_damping_time * (motor_speed - load_speed)) / softness
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
-            shaft_compliance, speed_change, pump_speed_lag)
+            shaft_compliance, speed_change, pump_speed_lag, back_pressure)
 
 
 def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
@@ -357,7 +357,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             for stage in range(4):
                 (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage,
                  compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
-                 speed_change, pump_speed_lag) = balances(
+                 speed_change, pump_speed_lag, back_pressure) = balances(
                     x0, x1, x2, x3, x4, x5, x6, x8, pump_command, pprv_command, oil_temperature,
                     viscosity_ratio, disturbance + slope * (elapsed + ahead), p, on, cells,
                     layout)
@@ -388,6 +388,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     out[k, 9] = pump_flow + relief_flow
                     out[k, 10] = relief_flow
                     out[k, 11] = pprv_pressure
+                    out[k, 12] = back_pressure
                     if k == n - 1:
                         break
                 aim = target

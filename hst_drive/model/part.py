@@ -131,6 +131,7 @@ class PartModel:
                 self.rig.motor.mechanical_efficiency(pressure, np.abs(speed)))
             back = self.terms('back_pressure', known)
             hydraulic = efficiency * np.maximum(pressure - back, 0.0) * self.motor_displacement
+            known = {**known, 'efficiency': efficiency}
         direction = np.tanh(speed / CONSTANTS['SIGN_WIDTH'])
         return (hydraulic + self.terms('motor_torque', known)
                 - self.terms('motor_torque_loss', known) * direction)

@@ -120,6 +120,7 @@ PART: dict[str, tuple[str, ...]] = {
 # Suffix of a sensor's keys by channel.
 SENSOR_UNITS: dict[str, tuple[str, str]] = {
     'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),
+    'motor_outlet_pressure': ('bar', 'bar'),
     'motor_inlet_flow': ('L_min', 'L/min'), 'case_drain_flow': ('L_min', 'L/min'),
     'motor_speed': ('rpm', 'rpm'), 'pump_speed': ('rpm', 'rpm'),
     'load_torque': ('N_m', 'N.m'), 'motor_torque': ('N_m', 'N.m'),

@@ -23,7 +23,7 @@ STEP = 0.25e-3
 PER_MS = 4
 MS_PER_TICK = 10
 OUT = ('u', 'p1', 'p2', 'q_motor', 'w', 'torque', 'd_pump', 'w_pump', 'q_drain', 'q_pump',
-       'q_relief', 't_motor', 'theta', 'w_filtered', 'w_load', 't_load')
+       'q_relief', 't_motor', 'theta', 'w_filtered', 'w_load', 't_load', 'p_out')
 
 
 @jit
@@ -90,7 +90,7 @@ def run(numbers, tabs_d, tabs_lp, tabs_lm, tabs_em, tabs_el, tabs_pv, setpoint, 
     """
     p = numbers[0]
     n = pprv.shape[0]
-    out = np.zeros((n, 16))
+    out = np.zeros((n, 17))
     h = STEP
     u_hist = np.zeros(n)
     p1 = p2 = 3e5
@@ -98,7 +98,7 @@ def run(numbers, tabs_d, tabs_lp, tabs_lm, tabs_em, tabs_el, tabs_pv, setpoint, 
     fast = d = extra1 = extra2 = s = z = u_last = 0.0
     pp_fast = pp = tabs_pv[0]
     held = 0.0
-    creep = 0.0
+    creep = back = 0.0
     wp = p.w_pump
     wf1 = wf2 = 0.0
     integral = 0.0
@@ -129,6 +129,7 @@ def run(numbers, tabs_d, tabs_lp, tabs_lm, tabs_em, tabs_el, tabs_pv, setpoint, 
         out[k, 6], out[k, 7], out[k, 8] = d, wp, q_lm
         out[k, 9], out[k, 10], out[k, 11], out[k, 12] = q_net, q_prv, t_motor, theta
         out[k, 13], out[k, 14], out[k, 15] = wf2 if p.speed_lag > 0.0 else w, wl, t_load
+        out[k, 16] = back
         # commands seen by the actuators, once per millisecond
         now = u_hist[max(k - dead, 0)] if k >= dead else 0.0
         shift = p.u_offset

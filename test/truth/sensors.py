@@ -11,17 +11,20 @@ from .unit import BAR, CC, L_MIN, RPM
 
 STANDARD = ('pump_command', 'pprv_command', 'speed_setpoint', 'oil_temperature',
             'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque')
-EXTRA = ('pump_speed', 'motor_inlet_pressure', 'case_drain_flow', 'pump_displacement')
+EXTRA = ('pump_speed', 'motor_inlet_pressure', 'case_drain_flow', 'pump_displacement',
+         'motor_outlet_pressure')
 # channel: header unit, size of that unit in SI, key of the noise in the datasheet's `sensors`
 UNITS = {
     'pump_command': ('V', 1.0, None), 'pprv_command': ('V', 1.0, None),
     'speed_setpoint': ('rpm', RPM, None), 'oil_temperature': ('degC', 1.0, 'K'),
     'pump_outlet_pressure': ('bar', BAR, 'bar'), 'motor_inlet_pressure': ('bar', BAR, 'bar'),
+    'motor_outlet_pressure': ('bar', BAR, 'bar'),
     'motor_inlet_flow': ('L/min', L_MIN, 'L_min'), 'case_drain_flow': ('L/min', L_MIN, 'L_min'),
     'motor_speed': ('rpm', RPM, 'rpm'), 'pump_speed': ('rpm', RPM, 'rpm'),
     'load_torque': ('N.m', 1.0, 'N_m'), 'pump_displacement': ('cc/rev', CC, 'cc'),
 }
-ALIAS = {'motor_inlet_pressure': 'pump_outlet_pressure', 'pump_speed': 'motor_speed'}
+ALIAS = {'motor_inlet_pressure': 'pump_outlet_pressure', 'pump_speed': 'motor_speed',
+         'motor_outlet_pressure': 'pump_outlet_pressure'}
 OWN = {'case_drain_flow': (0.01, 0.005), 'pump_displacement': (0.02, 0.01)}
 
 

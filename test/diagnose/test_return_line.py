@@ -1,0 +1,65 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A gauge in the return line tells what a pressure at the inlet alone cannot."""
+from test.truth import make_campaign, write_campaign
+from test.truth.sensors import STANDARD
+
+from hst_drive.bag import read_log
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.run import Run
+from hst_drive.model.part import PartModel
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+GAUGE = 'motor_outlet_pressure'
+RETURN = 4e5    # Pa, of the truth
+
+
+def found(folder, effects, channels):
+    """Diagnose two logs of the truth generator."""
+    write_campaign(make_campaign(4002, effects, duration=30.0, channels=channels,
+                                 logs=('drilling', 'speed_sweep'), keep_exact=False), folder)
+    return diagnose(default_rig(), [read_log(str(path)) for path in sorted(folder.glob('*.csv'))])
+
+
+@pytest.mark.parametrize('form', ['constant', 'flow_dependent'])
+def test_back_pressure_is_named_alone(tmp_path, form):
+    result = found(tmp_path, {'back_pressure': {'size': 1.0, 'form': form}}, (*STANDARD, GAUGE))
+    assert result.verdict == 'missing_effect'
+    named = result.effects[0]
+    assert [entry.id for entry in result.effects] == ['back_pressure']
+    assert named.parameters['outlet_pressure'].value == pytest.approx(RETURN, rel=0.03)
+    # The truth's hydromotor loses as much as without a return pressure.
+    assert named.parameters['loss_share'].value == pytest.approx(1.0, abs=0.1)
+    assert max(result.ladder[-1].holdout.values()) < 1.15
+
+
+def test_friction_is_told_from_back_pressure(tmp_path):
+    effects = {'bearing_friction': {'size': 1.0, 'form': 'tanh'}}
+    for channels, alike in (((*STANDARD, GAUGE), False), (STANDARD, True)):
+        named = found(tmp_path, effects, channels).effects[0]
+        assert ('back_pressure' in (named.id, *named.indistinguishable_from)) == alike
+        assert 'bearing_friction' in (named.id, *named.indistinguishable_from)
+
+
+def test_a_bench_of_the_hydromotor_alone_closes_the_return_line():
+    time = np.arange(500) / 100
+    speed = 8.0 + np.sin(time)
+    run = Run('bench', time, {'motor_inlet_pressure': 80e5 + 10e5 * np.cos(2 * time),
+                              'motor_speed': speed, GAUGE: np.full(500, RETURN),
+                              'motor_torque': np.full(500, 200.0)})
+    rig = default_rig()
+    replay = PartReplay(run, PartModel(rig))
+    assert replay.balances[GAUGE] == 'return line'
+    without, outlet, lossy = (
+        replay.predict(PartModel(rig, {'back_pressure': {
+            'outlet_pressure': size, 'flow_share': 0.25, 'loss_share': loss}})).signals
+        for size, loss in ((0.0, 0.0), (RETURN, 0.0), (RETURN, 1.0)))
+    np.testing.assert_allclose(outlet[GAUGE], RETURN * (1 + 0.25 * (speed / 10 - 1)))
+    # All of it acts on the displacement where the losses stay what they were. (The replay smooths
+    # the torque, which shows at the ends.)
+    taken = without['motor_torque'] - lossy['motor_torque']
+    np.testing.assert_allclose(taken[20:-20], outlet[GAUGE][20:-20] * rig.motor.displacement,
+                               rtol=1e-3)
