@@ -27,8 +27,8 @@ SHORTEST = 20.0         # s
 _QUICK = 33.0           # s
 _VERIFIED = 3           # tests that are verified
 _SENSORS = 2            # sensors that are
-EXTRA = ('motor_inlet_pressure', 'motor_outlet_pressure', 'case_drain_flow', 'pump_displacement', 'pump_speed',
-         'motor_inlet_flow', 'motor_speed', 'load_torque', 'pump_outlet_pressure')
+EXTRA = ('motor_inlet_pressure', 'motor_outlet_pressure', 'case_drain_flow', 'pump_displacement',
+         'pump_speed', 'motor_inlet_flow', 'motor_speed', 'load_torque', 'pump_outlet_pressure')
 
 
 @dataclass(frozen=True)

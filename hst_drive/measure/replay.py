@@ -24,7 +24,8 @@ from scipy.ndimage import gaussian_filter1d
 
 SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
-    'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement', 'pump_speed')
+    'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
+    'pump_speed')
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
 DRAWS = 3
 _STAMPS = 1e-3  # s

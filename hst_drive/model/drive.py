@@ -84,6 +84,7 @@ class Drive:
         if rig.line.oil_grade not in GRADES:
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
+        self._oil = b'', np.empty(0)    # temperatures asked for last, viscosity ratios
         self._table_viscosity = viscosity(rig.characterised_at, rig.line.oil_grade)
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
@@ -181,7 +182,7 @@ class Drive:
             temperature, ratio = np.full(n, self.rig.characterised_at), np.ones(n)
         else:
             temperature = np.ascontiguousarray(temperature, dtype=float)
-            ratio = self.viscosity_ratio(temperature)
+            ratio = self._ratio(temperature)
         disturbance = inputs.get('load_disturbance')
         if disturbance is None:
             disturbance = np.zeros(n)
@@ -198,6 +199,15 @@ class Drive:
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
         readings['motor_torque'] = readings['load_torque']
         return readings
+
+    def _ratio(self, temperature: np.ndarray) -> np.ndarray:
+        """Return the viscosity ratio; a plant asks in each step, and oil warms slowly."""
+        if len(temperature) > 2:
+            return self.viscosity_ratio(temperature)
+        asked = temperature.tobytes()
+        if asked != self._oil[0]:
+            self._oil = asked, self.viscosity_ratio(temperature)
+        return self._oil[1]
 
     def _fresh_tables(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the tables for one call, which notes there in which cells it looked last."""

@@ -64,8 +64,9 @@ class Surface:
 
 def _cell(grid: np.ndarray, value) -> tuple[np.ndarray, np.ndarray]:
     """Return the index of the cell and the place inside it, 0 to 1."""
-    value = np.clip(value, grid[0], grid[-1])
-    index = np.clip(np.searchsorted(grid, value, side='right') - 1, 0, len(grid) - 2)
+    # np.clip takes as long as the rest of a look-up of one value.
+    value = np.minimum(np.maximum(value, grid[0]), grid[-1])
+    index = np.searchsorted(grid[1:-1], value, side='right')
     return index, (value - grid[index]) / (grid[index + 1] - grid[index])
 
 

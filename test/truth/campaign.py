@@ -18,7 +18,8 @@ from .terms import record
 STATE_OF = {
     'motor_speed': 'w', 'motor_inlet_flow': 'q_motor', 'load_torque': 'torque',
     'pump_outlet_pressure': 'p1', 'motor_inlet_pressure': 'p2', 'motor_outlet_pressure': 'p_out',
-    'pump_displacement': 'd_pump', 'pump_speed': 'w_pump', 'case_drain_flow': 'q_drain', 'pump_command': 'u'}
+    'pump_displacement': 'd_pump', 'pump_speed': 'w_pump', 'case_drain_flow': 'q_drain',
+    'pump_command': 'u'}
 
 
 @dataclass

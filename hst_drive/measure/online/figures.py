@@ -107,7 +107,8 @@ def bell(time: np.ndarray, middle: float) -> tuple[np.ndarray, np.ndarray] | Non
 def _parabola(at: np.ndarray) -> np.ndarray:
     """Return the weights whose sum is the value at 0 of a parabola through the samples."""
     scaled = at / np.max(np.abs(at))
-    return np.linalg.pinv(np.stack([np.ones(len(at)), scaled, scaled * scaled], axis=1))[0]
+    powers = np.stack([np.ones(len(at)), scaled, scaled * scaled])
+    return np.linalg.solve(powers @ powers.T, (1.0, 0.0, 0.0)) @ powers
 
 
 def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Moment | None:
@@ -139,19 +140,21 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Mo
     pressure = values[INLET] if INLET in values else values[PRESSURE] - line_drop(
         model, values[PRESSURE], values[FLOW])
     warm = None if temperature is None else float(wide[0] @ temperature)
-    leak, made = table_losses(model, pressure, speed, warm)
-    excess = float(wide[0] @ (values[FLOW] - model.motor_displacement * speed - leak))
-    missing = float(wide[0] @ (made - values[TORQUE]) - model.inertia * (wide[1] @ speed))
     now_pressure, now_speed = float(short @ pressure[near]), float(short @ speed[near])
-    leak, made = table_losses(model, now_pressure, now_speed, warm)
+    # The moment itself goes last: one look at the tables for all.
+    leak, made = (np.asarray(found) for found in table_losses(
+        model, np.append(pressure, now_pressure), np.append(speed, now_speed), warm))
+    excess = float(wide[0] @ (values[FLOW] - model.motor_displacement * speed - leak[:-1]))
+    missing = float(wide[0] @ (made[:-1] - values[TORQUE]) - model.inertia * (wide[1] @ speed))
     left, left_short, left_rate = (
         math.sqrt(float(weight @ weight)) for weight in (wide[0], short, wide[1]))
     noise = (left_short * noise_of(rig, PRESSURE), left * noise_of(rig, FLOW),
              left * noise_of(rig, SPEED),
              math.hypot(left * noise_of(rig, TORQUE),
                         left_rate * model.inertia * noise_of(rig, SPEED)))
-    return Moment(stamp, now_pressure, model.motor_displacement * now_speed + float(leak) + excess,
-                  now_speed, float(made) - missing, float(leak), float(made), noise)
+    leak, made = float(leak[-1]), float(made[-1])
+    return Moment(stamp, now_pressure, model.motor_displacement * now_speed + leak + excess,
+                  now_speed, made - missing, leak, made, noise)
 
 
 def line_drop(model: PartModel, pressure, flow):
