@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-import os
 from pathlib import Path
 from statistics import median
 import tempfile
@@ -57,17 +56,9 @@ def _used(pids: Mapping[str, int]) -> dict[str, float]:
     return used
 
 
-def prefer(pids: Mapping[str, int]) -> None:
-    """Let these processes go before all ordinary ones, the plant first; only root may."""
-    for name, pid in pids.items():
-        level = os.sched_param({'plant': 3, 'controller': 2}.get(name, 1))
-        for thread in Path(f'/proc/{pid}/task').iterdir():
-            os.sched_setscheduler(int(thread.name), os.SCHED_RR, level)
-
-
 def run(seconds: float, *, realtime: bool = False, rate: float = 100.0, first: bool = False,
         scenario: str = 'paper_step') -> Found:
-    """Run all nodes, as ``hst-drive run`` does; ``first``: before all other work."""
+    """Run all nodes, as ``hst-drive run`` does; ``first``: with ``--priority``."""
     looks: list[tuple[float, float, dict[str, float]]] = []
     late: list[float] = []
 
@@ -79,15 +70,13 @@ def run(seconds: float, *, realtime: bool = False, rate: float = 100.0, first: b
                 len(session.nodes) == len(wiring.NODES)):
             pids = {name: entry.process.pid for name, entry in session.nodes.items()}
             try:
-                if first and not looks:
-                    prefer(pids)
                 looks.append((float(words[1]), time.monotonic(), _used(pids)))
             except (FileNotFoundError, ProcessLookupError):
                 pass    # a thread, or the run, has just ended
 
     with tempfile.TemporaryDirectory() as folder:
         plan = make_plan(Options(scenario, f'{folder}/bag', realtime, None,
-                                 duration=seconds, rate=rate))
+                                 duration=seconds, rate=rate, priority=10 * first))
         with Session(plan.parameters, hear) as session:
             while not session.check():
                 time.sleep(0.05)

@@ -23,7 +23,6 @@ from test.nodes.processes import children
 import time
 from typing import NamedTuple
 
-from bench.live import prefer
 from hst_drive.bag import read_log
 from mcap.reader import make_reader
 import numpy as np
@@ -65,12 +64,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--growth', type=float, default=5.0,
                         help='MB by which a process may grow in an hour of drilling (default: 5)')
     parser.add_argument('--first', action='store_true',
-                        help='give the nodes real-time priority, as root: on a machine that '
-                        'others use')
+                        help='run with --priority: on a machine that others use')
     parser.add_argument('--output', help='keep the bag in this folder')
     args = parser.parse_args(arguments)
-    if args.first and os.geteuid():
-        parser.error('--first: only root may give that priority')
     real = args.minutes is not None
     seconds = 60.0 * args.minutes if real else 3600.0 * args.hours
     with tempfile.TemporaryDirectory() as folder:
@@ -79,10 +75,10 @@ def main(arguments: list[str] | None = None) -> int:
         scenario.write_text(SCENARIO.format(seconds=seconds), encoding='utf-8')
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'run', str(scenario), '-o', str(bag),
-             *(['--realtime'] if real else [])], stderr=subprocess.PIPE, text=True,
-            stdout=subprocess.PIPE)
+             *(['--realtime'] if real else []), *(['--priority', '10'] if args.first else [])],
+            stderr=subprocess.PIPE, text=True, stdout=subprocess.PIPE)
         began = time.monotonic()
-        memory = watch(process, args.first)
+        memory = watch(process)
         wall = time.monotonic() - began
         # By the hour of drilling: in simulated time a day passes within one by the clock.
         pace = 1.0 if real else wall / seconds
@@ -109,8 +105,8 @@ def machine() -> str:
     return f'{model}, {os.cpu_count()} cores, Python {platform.python_version()}'
 
 
-def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
-    """Look at the nodes until the run ends; return what each used; ``first``: see ``--first``."""
+def watch(process: subprocess.Popen) -> dict[str, Memory]:
+    """Look at the nodes until the run ends; return what each used."""
     page, tick = os.sysconf('SC_PAGE_SIZE') / 1e6, os.sysconf('SC_CLK_TCK')
     rows: dict[str, list[tuple[float, float, float]]] = {}
     known: dict[str, int] = {}
@@ -119,8 +115,6 @@ def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
         if len(known) < 5:
             known = children(process.pid)
             continue
-        if first:
-            _prefer(known)
         for name, pid in known.items():
             try:
                 resident = int(Path(f'/proc/{pid}/statm').read_text().split()[1]) * page
@@ -131,13 +125,6 @@ def watch(process: subprocess.Popen, first: bool = False) -> dict[str, Memory]:
                 used = (int(words[11]) + int(words[12])) / tick
                 rows.setdefault(name, []).append((time.monotonic(), resident, used))
     return {name: memory_of(np.array(entry)) for name, entry in rows.items() if len(entry) >= 8}
-
-
-def _prefer(pids: dict[str, int]) -> None:
-    try:
-        prefer(pids)    # each time, for threads that are new
-    except (FileNotFoundError, ProcessLookupError):
-        pass            # one has just ended
 
 
 def memory_of(rows: np.ndarray) -> Memory:

@@ -47,6 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='publish and record a reading that is off by default (repeatable)')
     parser.add_argument('--truth', action='store_true',
                         help='record the values without noise as well, under truth/')
+    parser.add_argument('--priority', metavar='N', type=int, default=0,
+                        help='real-time priority (3 to 99) for steady timing with --realtime; '
+                        'needs root or an rtprio limit')
     parser.add_argument('--verbose', action='store_true', help='show what the nodes say')
     add_json_argument(parser)
 
@@ -59,7 +62,8 @@ def run(args: argparse.Namespace) -> int:
     plan = make_plan(Options(
         args.scenario, args.output, args.realtime, args.speed, args.rig, args.log, args.channels,
         effects=tuple(args.effect), effects_from=args.effects_from, seed=args.seed,
-        duration=args.duration, rate=args.rate, topics=tuple(args.topic), truth=args.truth))
+        duration=args.duration, rate=args.rate, topics=tuple(args.topic), truth=args.truth,
+        priority=args.priority))
     for note in plan.notes:
         say(f'note: {note}')
     say(f'{plan.title}: {plan.duration:g} s, recording to {plan.output}')

@@ -17,6 +17,7 @@ from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.endpoints import Input, Output, topic_named
 from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
+from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.session import PARENT
 import rclpy
 from rclpy.clock import Clock, ClockType
@@ -59,6 +60,8 @@ class DriveNode(Node):
         super().__init__(self.role, namespace=NAMESPACE.strip('/'))
         self.settings = declare(self, COMMON + self.parameters)
         self._tell_unused(of_topics=False)
+        if self.settings['priority']:
+            go_before_others(self.role, self.settings['priority'])
         self.partners: list[str] = self.settings['partners']
         self.lockstep: bool = self.settings['lockstep']
         self.taken: tuple[str, ...] = ()

@@ -85,5 +85,7 @@ COMMON = (
               'connected and, in lockstep, waits for them'),
     Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock, and the '
               'plant sends readings in bursts'),
+    Parameter('priority', 0, 'real-time priority (SCHED_RR), before all ordinary work of the '
+              'machine; 0: ordinary', low=0, high=99),
 )
 """Parameters that every node has."""

@@ -19,6 +19,8 @@ from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.settings import effect_texts, parse_effects
 from hst_drive.rig import default_rig, load_rig, Rig
 
+_LEAST = 3      # priority of the plant, so that controller and others lie below it
+
 
 @dataclass(frozen=True)
 class Options:
@@ -49,6 +51,8 @@ class Options:
         Readings that are off by default and shall be on.
     truth : bool
         Record the values without noise as well.
+    priority : int
+        Real-time priority of the plant; the controller's is one below, the others' two. 0: none.
 
     """
 
@@ -66,6 +70,7 @@ class Options:
     rate: float = 100.0
     topics: tuple[str, ...] = ()
     truth: bool = False
+    priority: int = 0
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ def make_plan(options: Options) -> Plan:
     for name, value, low, high in (
             ('--duration', duration, 0.1, 1e6), ('--rate', options.rate, 1.0, 1000.0),
             ('--speed', 1.0 if options.speed is None else options.speed, 1e-3, 1e4),
+            ('--priority', options.priority or _LEAST, _LEAST, 99),
             ('--effects-from', options.effects_from, 0.0, 1e7), ('--seed', seed, 0, 2**31 - 1)):
         if not low <= value <= high:
             raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
@@ -137,6 +143,9 @@ def make_plan(options: Options) -> Plan:
         'recorder': {**common, **extra, 'output': str(output.resolve()),
                      'notes': [f'{key}={value}' for key, value in notes.items()]},
     }
+    if options.priority:
+        for node, entry in parameters.items():
+            entry['priority'] = options.priority - {'plant': 0, 'controller': 1}.get(node, 2)
     return Plan(parameters=parameters, output=output, duration=duration, notes=scenario.notes,
                 title=scenario.title, closed_loop=scenario.mode == 'closed_loop')
 
