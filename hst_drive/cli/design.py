@@ -105,8 +105,6 @@ def text(result: Design, output: str | None) -> str:
 
 def sentence(result: Design) -> str:
     """Return the advice in a sentence or two."""
-    from hst_drive.measure.run import CHANNELS
-
     worst = 'sigma for the worst pair, played with noise and judged together with plain drilling'
     apart = f'separates them ({result.significance:.1f} {worst})'
     if result.unclear:
@@ -118,14 +116,21 @@ def sentence(result: Design) -> str:
         return f'A test with the sensors that are there {apart}.'
     alone = ('No test within the limits is enough with the sensors that are there '
              f'({result.without_sensor:.1f} {worst})')
-    if result.sensor:
-        unit = CHANNELS[result.sensor].display
+    if result.sensors:
+        added = ' and '.join(f'a sensor for {name} that resolves {_resolution(result, name)}'
+                             for name in result.sensors)
         test = 'any test' if result.advice == 'sensor' else 'this test'
-        return (f'{alone}. With a sensor for {result.sensor} that resolves '
-                f'{from_si(result.resolution, unit):.2g} {unit} {test} {apart}.')
+        return f'{alone}. With {added} {test} {apart}.'
     remedy = ' or '.join(result.gauges) or 'a measurement of the part itself'
     return f'{alone}, and no sensor that could be added changes that. The test below is the best '\
            f'there is; if it leaves them apart by too little, only {remedy} will tell.'
+
+
+def _resolution(result: Design, sensor: str) -> str:
+    from hst_drive.measure.run import CHANNELS
+
+    unit = CHANNELS[sensor].display
+    return f'{from_si(result.resolution(sensor), unit):.2g} {unit}'
 
 
 def _differences(result: Design) -> str:
@@ -148,8 +153,8 @@ def as_json(result: Design, output: str | None) -> dict:
     return {
         'schema': 'hst_drive/design/1', 'advice': result.advice, 'sentence': sentence(result),
         'separates': result.rivals, 'significance': result.significance,
-        'significance_without_sensor': result.without_sensor, 'sensor': result.sensor or None,
-        'sensor_resolution': result.resolution if result.sensor else None,
+        'significance_without_sensor': result.without_sensor,
+        'sensors': {name: {'resolution': result.resolution(name)} for name in result.sensors},
         'gauges': result.gauges, 'unclear': result.unclear,
         'sensor_options': result.options,
         'duration': result.trial.duration,

@@ -70,7 +70,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     best = without(search, best, better)
     left = search.unexplained(best)
     more = '' if left or better else beside(search, best)
-    remaining = unknowns.describe(campaign, best.fit, bool(more)) if left or more else None
+    doubt = bool(more or better)
+    remaining = unknowns.describe(campaign, best.fit, doubt) if left or doubt else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)

@@ -5,7 +5,8 @@ The next test: a profile, or a sensor, that separates effects which the logs can
 
 Trials of all families, and mixtures of them, are rehearsed; those that set the likely
 explanations furthest apart are improved by random search and then verified as a diagnosis will
-judge. Where none is clear the same is tried with each sensor that could be added.
+judge. Where none is clear the same is tried with each sensor that could be added, and where that
+still leaves rivals, with a second one.
 """
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Callable, Iterable, Sequence
 
 from hst_drive.diagnose.campaign import Model
-from hst_drive.diagnose.designer import ANY, Designer, KEPT, Rated
+from hst_drive.diagnose.designer import ANY, Designer, KEPT, Rated, Verified
 from hst_drive.diagnose.rehearse import sensors
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.separation import CLEAR, driver, Pair
@@ -42,17 +43,17 @@ class Design:
         The effects of each explanation.
     advice : str
         'profile': the scenario separates, the best explanation at least; 'sensor': any test does
-        with the added channel; 'both': the scenario does, with the channel; 'neither'.
+        with the added channels; 'both': the scenario does, with the channels; 'neither'.
     trial : Trial
         The best test.
     content : dict
         It, as the mapping of a scenario file.
     significance : float
-        Verified, worst pair, sigma; with ``sensor`` where one is advised.
+        Verified, worst pair, sigma; with the sensors that are advised.
     without_sensor : float
         The same with the channels that are there.
-    sensor : str
-        Channel to add; empty for none.
+    sensors : tuple of str
+        Channels to add, at most two.
     options : dict of str to float
         What a test is expected to be worth with each channel added, sigma.
     pairs : tuple of Pair
@@ -68,7 +69,7 @@ class Design:
     content: dict
     significance: float
     without_sensor: float
-    sensor: str = ''
+    sensors: tuple[str, ...] = ()
     options: dict[str, float] = field(default_factory=dict)
     pairs: tuple[Pair, ...] = ()
     unclear: tuple[tuple[str, ...], ...] = ()
@@ -80,11 +81,9 @@ class Design:
             catalogue()[name].gauge for names in self.unclear for name in names
             if catalogue()[name].gauge))
 
-    @property
-    def resolution(self) -> float:
-        """What the added sensor must resolve, SI: the smallest difference that shows in it."""
-        shown = [pair.differences[self.sensor] for pair in self.pairs
-                 if self.sensor in pair.differences]
+    def resolution(self, sensor: str) -> float:
+        """Return what an added sensor must resolve, SI: the smallest difference that shows."""
+        shown = [pair.differences[sensor] for pair in self.pairs if sensor in pair.differences]
         seen = [entry.rms for entry in shown if entry.floors >= 1.0]
         return min(seen or [max((entry.rms for entry in shown), default=0.0)])
 
@@ -128,20 +127,22 @@ def design(rig: Rig, models: Sequence[Model], channels: Iterable[str], *,
     if plain.clear < 1.0:
         options = _sensors(work, rated)
         for name in sorted(options, key=lambda name: -options[name].worth)[:_SENSORS]:
-            tried = work.best([options[name]], duration, name)
+            tried = work.best([options[name]], duration, (name,))
             if tried.clear > found.clear:
                 found = tried
-    if found.sensor:
-        any_test = work.verified(plain_drilling(found.trial.duration), found.sensor)
+        if found.sensors and found.clear < 1.0:
+            found = _second(work, found)
+    if found.sensors:
+        any_test = work.verified(plain_drilling(found.trial.duration), found.sensors)
         advice = 'sensor' if any_test.clear >= found.clear else 'both'
     trial = found.trial
     names = tuple(tuple(model.effects) for model in models)
     title = 'Tell apart: ' + ', '.join(told_apart(models))
     return Design(
         names, advice, trial, {**scenario(trial, rig, closed_loop, title), 'seed': 1},
-        min(found.apart), min(plain.apart), found.sensor,
+        min(found.apart), min(plain.apart), found.sensors,
         {name: entry.worth - ANY for name, entry in options.items()},
-        tuple(work.rehearsal(trial).pairs((*work.channels, found.sensor), work.likely)),
+        tuple(work.rehearsal(trial).pairs((*work.channels, *found.sensors), work.likely)),
         tuple(entry for entry, sigma in zip(names, found.apart) if sigma < CLEAR))
 
 
@@ -168,6 +169,20 @@ def _sensors(work: Designer, rated: Sequence[Rated]) -> dict[str, Rated]:
             if name not in work.channels and name in sensors(work.rig):
                 entry = Rated(trial, work.worth(trial, rehearsal, (*work.channels, name)))
                 found[name] = max(found.get(name, entry), entry, key=lambda item: item.worth)
+    return found
+
+
+def _second(work: Designer, found: Verified) -> Verified:
+    """
+    Return a test with a second sensor if that leaves fewer rivals, else the test itself.
+
+    All are verified: what is left is a pair or two, which the rating of a test hardly sees.
+    """
+    have = (*work.channels, *found.sensors)
+    for name in EXTRA:
+        if name not in have and name in sensors(work.rig) and found.clear < 1.0:
+            tried = work.verified(found.trial, (*found.sensors[:1], name))
+            found = max(found, tried, key=lambda entry: entry.clear)
     return found
 
 

@@ -38,13 +38,13 @@ class Rated(NamedTuple):
 
 class Verified(NamedTuple):
     """
-    A trial, the sensor added for it, and how far it sets each explanation apart.
+    A trial, the sensors added for it, and how far it sets each explanation apart.
 
     ``apart`` is in sigma, from the nearest rival.
     """
 
     trial: Trial
-    sensor: str
+    sensors: tuple[str, ...]
     apart: tuple[float, ...]
 
     @property
@@ -172,20 +172,21 @@ class Designer:
                                                    seed=int(random.integers(1000)))
         return trial._replace(segments=tuple(segments))
 
-    def verified(self, trial: Trial, sensor: str = '') -> Verified:
+    def verified(self, trial: Trial, added: tuple[str, ...] = ()) -> Verified:
         """
         Try a test on noisy records of every rival.
 
         Judged as a diagnosis will: together with what is known, a plain drilling log without
-        the added sensor.
+        the added sensors.
         """
         self.progress('verifying the best tests')
         known = Record(self.scenario(plain_drilling(_KNOWN)), self.channels)
-        test = Record(self.scenario(trial), (*self.channels, *([sensor] if sensor else ())))
-        return Verified(trial, sensor, tuple(
+        test = Record(self.scenario(trial), (*self.channels, *added))
+        return Verified(trial, added, tuple(
             verify(self.rig, [known, test], self.models, self.likely, _SEED)))
 
-    def best(self, rated: Sequence[Rated], duration: float, sensor: str = '') -> Verified:
+    def best(self, rated: Sequence[Rated], duration: float,
+             added: tuple[str, ...] = ()) -> Verified:
         """
         Return the first test that is clear once verified, else the best.
 
@@ -195,7 +196,7 @@ class Designer:
         for trial, _ in rated:
             twice = trial._replace(segments=trial.segments + trial.segments)
             trial = twice if twice.duration <= duration + 1e-6 else trial
-            found.append(self.verified(trial, sensor))
+            found.append(self.verified(trial, added))
             if found[-1].clear == 1.0:
                 break
         return max(found, key=lambda entry: (entry.clear, worth(entry.apart)))

@@ -63,7 +63,8 @@ def first_log(truth: str, seed: int) -> Run:
                               temperature='steady', duration=30.0, keep_exact=False), 'drilling')
 
 
-def advised_log(truth: str, seed: int, content: dict, rig: Rig, sensor: str = '') -> Run:
+def advised_log(truth: str, seed: int, content: dict, rig: Rig,
+                sensors: tuple[str, ...] = ()) -> Run:
     """Return what the truth generator records of a scenario in open loop, on the same unit."""
     scenario = parse_scenario(content, LoadingUnit.of(rig.loading))
     time = np.arange(int(round(scenario.duration * 1000))) // 10 / 100
@@ -72,7 +73,7 @@ def advised_log(truth: str, seed: int, content: dict, rig: Rig, sensor: str = ''
                'pprv': quantise([scenario.load.pprv_command(at) for at in time.tolist()])}
     oil = tuple(float(from_si(scenario.oil_temperature(at), 'degC'))
                 for at in (0.0, scenario.duration))
-    channels = STANDARD + ((sensor,) if sensor and sensor not in STANDARD else ())
+    channels = STANDARD + tuple(name for name in sensors if name not in STANDARD)
     return _run(make_campaign(seed, {truth: 1.0}, logs=('open_loop',), channels=channels,
                               duration=scenario.duration, temperature={'open_loop': oil},
                               command={'open_loop': command}, keep_exact=False), 'open_loop')
@@ -98,10 +99,10 @@ def case(rig: Rig, truth: str, seed: int, duration: float = 120.0) -> Outcome | 
     likely = matched(rig, rivals)
     result = design(rig, widened(rig, likely, rivals.channels), rivals.channels,
                     duration=duration, likely=len(likely))
-    second = advised_log(truth, seed, result.content, rig, result.sensor)
+    second = advised_log(truth, seed, result.content, rig, result.sensors)
     after = diagnose(rig, [first, second])
     return Outcome(truth, seed, before.verdict, tuple('+'.join(entry) for entry in rivals.names),
-                   f'{result.advice} {result.sensor}'.strip(), result.trial.words,
+                   ' '.join((result.advice, *result.sensors)), result.trial.words,
                    result.significance, after.verdict, named(after),
                    tuple(entry for found in after.effects
                          for entry in found.indistinguishable_from), result.gauges)
