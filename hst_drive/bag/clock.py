@@ -8,8 +8,8 @@ milliseconds apart. The order in which the messages were written shows where it 
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -28,6 +28,14 @@ class Written(NamedTuple):
     stamps: np.ndarray
 
 
+class Stamped(Protocol):
+    """What ``Written`` has; it may be read anew each time that it is asked for."""
+
+    name: str
+    order: np.ndarray
+    stamps: np.ndarray
+
+
 class Step(NamedTuple):
     """The clock lost ``lost`` (ns) before the message at place ``order`` of the bag."""
 
@@ -35,23 +43,30 @@ class Step(NamedTuple):
     lost: int
 
 
-def set_forward_again(topics: Sequence[Written], notes: list[str]) -> list[np.ndarray]:
-    """Return the stamps of all topics on a clock that goes on where it was set back."""
+def set_forward_again(topics: Sequence[Stamped], notes: list[str]
+                      ) -> Iterator[tuple[int, np.ndarray]]:
+    """
+    Yield the stamps of each topic on a clock that goes on where it was set back.
+
+    Each comes with the topic's number, one after the other: all may be too many for the memory.
+    """
     if not topics:
-        return []
+        return
     place = max(range(len(topics)), key=lambda index: len(topics[index].stamps))
-    topics, base = list(topics), topics[place]
-    for step in steps_back(base):
-        topics = [topic._replace(stamps=_moved(topic, base, step)) for topic in topics]
-        base = topics[place]
-        notes.append(_told('the clock', step, base))
-    for number, topic in enumerate(topics):
-        # A sensor may have a clock of its own.
+    steps: list[tuple[Step, Around]] = []
+    for number in (place, *(index for index in range(len(topics)) if index != place)):
+        topic = Written(topics[number].name, topics[number].order, topics[number].stamps)
+        for step, around in steps:
+            topic = topic._replace(stamps=_moved(topic, step, around))
         for step in steps_back(topic):
-            topic = topic._replace(stamps=_moved(topic, topic, step))
-            notes.append(_told(f'{topic.name}: its clock', step, topic))
-        topics[number] = topic
-    return [topic.stamps for topic in topics]
+            around = Around.of(topic, step)
+            topic = topic._replace(stamps=_moved(topic, step, around))
+            # A sensor may have a clock of its own.
+            notes.append(_told('the clock' if number == place else f'{topic.name}: its clock',
+                               step, topic))
+            if number == place:
+                steps.append((step, around))
+        yield number, topic.stamps
 
 
 def _told(what: str, step: Step, topic: Written) -> str:
@@ -68,10 +83,10 @@ def steps_back(topic: Written) -> list[Step]:
     fills a hole that they had left; after a step all go on at the usual pace from an
     earlier time, one that there have been messages of before.
     """
-    times = topic.stamps.copy()
-    gaps = np.diff(times)
+    gaps = np.diff(topic.stamps)
     if len(gaps) < 2 * _WINDOW or (gaps >= 0).all():
         return []
+    times = topic.stamps.copy()
     period = float(np.median(np.abs(gaps)))
     found: list[Step] = []
     tried = 0
@@ -104,15 +119,27 @@ def _again(earlier: np.ndarray, after: np.ndarray, period: float) -> bool:
     return float(np.mean(near)) > _COVERED
 
 
-def _moved(topic: Written, base: Written, step: Step) -> np.ndarray:
+class Around(NamedTuple):
+    """Places in the bag close to a step, and what the time was there on the clock that goes on."""
+
+    order: np.ndarray
+    true: np.ndarray
+
+    @classmethod
+    def of(cls, topic: Written, step: Step) -> Around:
+        """Return what a topic says of the time around a step."""
+        first = int(np.searchsorted(topic.order, step.order))
+        near = slice(max(first - _WINDOW, 0), first + _WINDOW)
+        order = topic.order[near]
+        return cls(order, topic.stamps[near] + np.where(order >= step.order, step.lost, 0))
+
+
+def _moved(topic: Written, step: Step, around: Around) -> np.ndarray:
     """Return the stamps of a topic with those after a step set forward."""
     after = topic.order >= step.order
     # What was stamped before the step may have been written after it, and the other way round:
     # close to it the clock that fits the base's time counts.
-    first = int(np.searchsorted(base.order, step.order))
-    near = slice(max(first - _WINDOW, 0), first + _WINDOW)
-    order = base.order[near]
-    true = base.stamps[near] + np.where(order >= step.order, step.lost, 0)
+    order, true = around
     close = (topic.order >= order[0]) & (topic.order <= order[-1])
     meant = np.interp(topic.order[close], order, true - true[0]) + true[0]
     off = topic.stamps[close] - meant

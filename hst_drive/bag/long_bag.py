@@ -4,7 +4,7 @@
 A bag that is too long for the memory, section by section.
 
 Clock, order and time base are decided of the whole bag, as ``read_bag`` does: its numbers go to
-files first, and only the stamps stay in memory.
+files first, and the stamps of one topic at a time come into the memory.
 """
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from typing import NamedTuple
 
 from hst_drive.bag.align import align, disorder, MIN_ROWS, Signal
 from hst_drive.bag.channels import ChannelMap
+from hst_drive.bag.column import Column
 from hst_drive.bag.csv_sections import Section
 from hst_drive.bag.picks import Pick
 from hst_drive.bag.rosbag2 import bag_blocks, bag_files
-from hst_drive.bag.signals import BagSignals, signals_of
+from hst_drive.bag.signals import BagSignals, signals_of, Timed
 from hst_drive.bag.topic_numbers import TopicNumbers
 import numpy as np
 
+_SPARSE = 1000
 _EARLIER = 20       # messages before a section: a command may have been sent long ago
 
 
@@ -51,19 +53,20 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
     for streams in bag_blocks(path, bag.wanted, bag.notes):
         bag.take(streams)
     topics = []
-    for topic, wanted, stamps in bag.timed():
-        bag.notes += disorder(topic.topic, stamps)
-        topics.append(_Sorted.of(topic, wanted, stamps))
-    base = max(topics, key=lambda topic: len(topic.stamps)).stamps
-    origin, last = int(base[0]), int(base[-1])
+    for timed in bag.timed():
+        bag.notes += disorder(timed.topic.topic, timed.stamps)
+        topics.append(_Sorted.of(timed))
+    topics.sort(key=lambda topic: topic.number)
+    base = max(topics, key=lambda topic: topic.stamps.count).stamps
+    origin, last = base.at(0), base.at(base.count - 1)
     start = 0.0
     while True:
         end = start + seconds
         if last < origin + 1e9 * (end + 0.5 * seconds):
             end = np.inf
-        rows = np.searchsorted(base, [origin + 1e9 * edge for edge in (start, end)])
+        rows = [base.place(origin + 1e9 * edge) for edge in (start, end)]
         low, high = origin + 1e9 * (start - before), origin + 1e9 * (end + after)
-        if rows[1] > rows[0] and np.subtract(*np.searchsorted(base, [high, low])) >= MIN_ROWS:
+        if rows[1] > rows[0] and base.place(high) - base.place(low) >= MIN_ROWS:
             signals = [signal for topic in topics
                        for signal in topic.signals(low, high, bag.notes)]
             if signals:
@@ -71,33 +74,57 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         if np.isinf(end):
             return
         if rows[1] == rows[0]:      # nothing for long: go to where it continues
-            ahead = (int(base[rows[1]]) - origin) / 1e9 - start
+            ahead = (base.at(rows[1]) - origin) / 1e9 - start
             end = max(end, start + seconds * (ahead // seconds))
         start = end
 
 
-class _Sorted(NamedTuple):
-    """A topic with rising stamps (ns) and the places of its messages; None: as written."""
+class _Rising:
+    """Rising stamps (ns) in a file; of each thousand one stays in memory, to find places by."""
 
+    def __init__(self, stamps: np.ndarray):
+        self.count = len(stamps)
+        self._some = stamps[::_SPARSE].copy()
+        self._column = Column(on_disk=True)
+        self._column.append(stamps)
+
+    def at(self, place: int) -> int:
+        """Return the stamp at a place."""
+        return int(self.part(place, place + 1)[0])
+
+    def part(self, first: int, last: int) -> np.ndarray:
+        """Return the stamps from one place to another."""
+        return self._column.part(first, last)
+
+    def place(self, stamp: float) -> int:
+        """Return the place of the first stamp that is not earlier."""
+        start = max(int(np.searchsorted(self._some, stamp)) - 1, 0) * _SPARSE
+        return start + int(np.searchsorted(self.part(start, start + _SPARSE), stamp))
+
+
+class _Sorted(NamedTuple):
+    """A topic with rising stamps and the places of its messages; None: as written."""
+
+    number: int
     topic: TopicNumbers
     wanted: list[Pick]
-    stamps: np.ndarray
+    stamps: _Rising
     places: np.ndarray | None
 
     @classmethod
-    def of(cls, topic: TopicNumbers, wanted: list[Pick], stamps: np.ndarray) -> _Sorted:
+    def of(cls, timed: Timed) -> _Sorted:
         """Sort a topic."""
+        number, topic, wanted, stamps = timed
         if (np.diff(stamps) >= 0).all():
-            return cls(topic, wanted, stamps, None)
+            return cls(number, topic, wanted, _Rising(stamps), None)
         places = np.argsort(stamps, kind='stable')
-        return cls(topic, wanted, stamps[places], places)
+        return cls(number, topic, wanted, _Rising(stamps[places]), places)
 
     def signals(self, low: float, high: float, notes: list[str]) -> list[Signal]:
         """Return what was true between two stamps."""
-        first, last = np.searchsorted(self.stamps, [low, high])
+        first, last = self.stamps.place(low), self.stamps.place(high)
         if last - first < _EARLIER:
             first = max(first - _EARLIER, 0)
-        rows = np.arange(first, last)
-        places = rows if self.places is None else self.places[rows]
-        return signals_of(self.topic, self.wanted, self.stamps[rows],
+        places = np.arange(first, last) if self.places is None else self.places[first:last]
+        return signals_of(self.topic, self.wanted, self.stamps.part(first, last),
                           lambda path: self.topic.some_numbers(path, places), notes)

@@ -3,12 +3,13 @@
 """From the messages of a bag to signals on one clock."""
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from hst_drive.bag.align import align, alternates, Signal
 from hst_drive.bag.channels import ChannelMap
-from hst_drive.bag.clock import set_forward_again, Written
+from hst_drive.bag.clock import set_forward_again
 from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond
 from hst_drive.bag.rosbag2 import bag_blocks
@@ -21,6 +22,7 @@ import numpy as np
 _APART = 1_000_000_000
 """Stamps further than this (ns) from the receive time are of another clock."""
 _LATE = 25_000_000      # ns; sensors' own delays are shorter
+_SAMPLE = 1_000_000     # messages that medians are taken of
 
 
 def read_bag(path: Path, channel_map: ChannelMap, only: Container[str] = CHANNELS) -> Run:
@@ -109,17 +111,16 @@ class BagSignals:
 
     def signals(self) -> list[Signal]:
         """Return the signals of all that was taken; raises as ``timed`` does."""
-        signals = [signal for topic, wanted, stamps in self.timed()
-                   for signal in signals_of(topic, wanted, stamps, topic.numbers, self.notes)]
+        signals = [signal for timed in sorted(self.timed())
+                   for signal in signals_of(timed.topic, timed.wanted, timed.stamps,
+                                            timed.topic.numbers, self.notes)]
         if not signals:
             raise InputError(f'{self._path}: none of our topics holds one signal alone')
         return signals
 
-    def timed(self) -> list[tuple[TopicNumbers, list[Pick], np.ndarray]]:
+    def timed(self) -> Iterator[Timed]:
         """
-        Return the topics, what is wanted of each, and when its messages were true (ns).
-
-        The stamps are of one clock, in the order in which the messages were written.
+        Yield the topics with the stamps of one clock, one by one, in any order.
 
         Raises
         ------
@@ -143,12 +144,64 @@ class BagSignals:
             chosen.append((topic, [
                 pick for pick in wanted if pick.entry.channel in self._only
                 and (pick.path in topic.seen or not _may_be_empty(pick))]))
-        stamps = _common_clock([topic for topic, _ in chosen], self.notes)
-        stamps = set_forward_again([Written(topic.topic, topic.order, times) for (topic, _), times
-                                    in zip(chosen, stamps)], self.notes)
+        clocked = _common_clock([topic for topic, _ in chosen], self.notes)
         if not any(wanted for _, wanted in chosen):
             raise InputError(f'{self._path}: none of our topics holds a number')
-        return [(topic, wanted, at) for (topic, wanted), at in zip(chosen, stamps)]
+        for number, stamps in set_forward_again(clocked, self.notes):
+            yield Timed(number, *chosen[number], stamps)
+
+
+class Timed(NamedTuple):
+    """
+    A topic, what is wanted of it, and when its messages were true (ns).
+
+    ``number`` is its place among the topics; stamps are in the order in which they were written.
+    """
+
+    number: int
+    topic: TopicNumbers
+    wanted: list[Pick]
+    stamps: np.ndarray
+
+
+class _Clocked(NamedTuple):
+    """A topic as ``set_forward_again`` takes it; its stamps, or when it was published."""
+
+    topic: TopicNumbers
+    as_published: bool
+
+    @property
+    def name(self) -> str:
+        return self.topic.topic
+
+    @property
+    def order(self) -> np.ndarray:
+        return self.topic.order
+
+    @property
+    def stamps(self) -> np.ndarray:
+        return self.topic.published if self.as_published else self.topic.stamps
+
+
+class _Clock(NamedTuple):
+    """What tells whether a topic's stamps can be used."""
+
+    usable: bool
+    first: int
+    last: int
+    count: int
+    age: float      # ns from stamp to publishing, median
+    apart: float    # ns between the two, median
+
+    @classmethod
+    def of(cls, topic: TopicNumbers) -> _Clock:
+        stamps = topic.stamps
+        if not _usable(stamps):
+            return cls(False, 0, 0, 0, 0.0, np.inf)
+        some = slice(None, None, max(len(stamps) // _SAMPLE, 1))
+        age = topic.published[some] - stamps[some]
+        return cls(True, int(stamps.min()), int(stamps.max()), len(stamps),
+                   float(np.median(age)), float(np.median(np.abs(age))))
 
 
 def signals_of(topic: TopicNumbers, wanted: Sequence[Pick], stamps: np.ndarray,
@@ -171,29 +224,25 @@ def signals_of(topic: TopicNumbers, wanted: Sequence[Pick], stamps: np.ndarray,
     return []
 
 
-def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[np.ndarray]:
-    """Return stamps of one clock: the messages' own ones, or the times of publishing."""
-    stamps = [topic.stamps for topic in topics]
-    published = [topic.published for topic in topics]
-    _out_of_step([topic.topic for topic in topics], stamps, published, notes)
-    if all(map(_usable, stamps)) and _overlap(stamps):
-        return stamps
-    own = [_usable(times) and np.median(np.abs(times - other)) < _APART
-           for times, other in zip(stamps, published)]
+def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[_Clocked]:
+    """Return the topics on one clock: the messages' own stamps, or the times of publishing."""
+    clocks = [_Clock.of(topic) for topic in topics]
+    _out_of_step([topic.topic for topic in topics], clocks, notes)
+    if all(clock.usable for clock in clocks) and _overlap(clocks):
+        return [_Clocked(topic, False) for topic in topics]
+    own = [clock.usable and clock.apart < _APART for clock in clocks]
     bare = [topic.topic for topic, good in zip(topics, own) if not good]
-    if any(_usable(times) and not good for times, good in zip(stamps, own)):
+    if any(clock.usable and not good for clock, good in zip(clocks, own)):
         notes.append('not all stamps are of one clock; the times of publishing are used')
-        return published
+        return [_Clocked(topic, True) for topic in topics]
     if bare:
         notes.append(f'{", ".join(bare)}: no stamps; the times of publishing are used')
-    return [times if good else other for times, other, good in zip(stamps, published, own)]
+    return [_Clocked(topic, not good) for topic, good in zip(topics, own)]
 
 
-def _out_of_step(names: Sequence[str], stamps: Sequence[np.ndarray | None],
-                 published: Sequence[np.ndarray], notes: list[str]) -> None:
+def _out_of_step(names: Sequence[str], clocks: Sequence[_Clock], notes: list[str]) -> None:
     """Tell of topics whose stamps lie further before their publishing than those of others."""
-    ages = {name: float(np.median(other - times))
-            for name, times, other in zip(names, stamps, published) if _usable(times)}
+    ages = {name: clock.age for name, clock in zip(names, clocks) if clock.usable}
     usual = float(np.median(list(ages.values()))) if ages else 0.0
     for name, age in ages.items():
         if _LATE < abs(age - usual) and abs(age) < _APART:
@@ -212,7 +261,7 @@ def _usable(times: np.ndarray | None) -> bool:
         np.diff(times)) >= 0.5 * (len(times) - 1))
 
 
-def _overlap(stamps: Sequence[np.ndarray]) -> bool:
+def _overlap(clocks: Sequence[_Clock]) -> bool:
     """Tell whether all the signals share a stretch of time."""
-    many = [times for times in stamps if len(times) > 1]
-    return not many or max(map(np.min, many)) <= min(map(np.max, many))
+    many = [clock for clock in clocks if clock.count > 1]
+    return not many or max(clock.first for clock in many) <= min(clock.last for clock in many)
