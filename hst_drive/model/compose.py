@@ -31,6 +31,8 @@ CONSTANTS = {
     'SIGN_WIDTH': 0.15,               # rad/s, smooth sign of friction and load torques
     'SIGN_SATURATED': 3.0,            # rad/s; beyond it tanh is 1 to the last digit
     'CAVITATION_PRESSURE': -0.9e5,    # Pa gauge
+    'BEND_PRESSURE': 1e3,             # Pa and rad/s: differences of third order in one step, up
+    'BEND_SPEED': 5e-4,               # to which Adams and Bashforth's method is trusted
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance

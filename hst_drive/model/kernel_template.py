@@ -415,9 +415,16 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                         # So much less inertia meets the same friction at standstill.
                         stiff = True
                         step = min(step, 0.1 * max_step) * SHAFT_STIFF_SHARE
-                    from_history = (still >= 3 and elapsed == 0.0 and not stiff
-                                    and interval <= 0.4001 * step and interval * swing < 0.2
-                                    and 5.0 * interval < shortest_lag)
+                    if stiff or pump_pressure <= CAVITATION_PRESSURE:
+                        still = -1
+                    # The differences of third order are great where a corner lies behind, and
+                    # grow where the damping is too strong for this method.
+                    from_history = (
+                        still >= 3 and elapsed == 0.0 and interval <= 0.4001 * step
+                        and interval * swing < 0.2 and 5.0 * interval < shortest_lag
+                        and interval * abs(r1 - 3.0 * a1 + 3.0 * b1 - c1) < BEND_PRESSURE
+                        and interval * abs(r2 - 3.0 * a2 + 3.0 * b2 - c2) < BEND_SPEED
+                        and interval * abs(r5 - 3.0 * a5 + 3.0 * b5 - c5) < BEND_SPEED)
                     if from_history:
                         step = interval
                         s0 = 13.75 * r0 - 14.75 * a0 + 9.25 * b0 - 2.25 * c0
