@@ -92,7 +92,11 @@ def text(result: Design, output: str | None) -> str:
     lines = [f'to tell apart: {rivals}', '', sentence(result), '']
     lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
     if output:
-        lines += [f"written to {output}; play it with 'hst-drive run {output}', then "
+        from hst_drive.bag.topics import CHANNEL_FIELDS
+
+        topics = ''.join(f' --topic {CHANNEL_FIELDS[name][0].name}' for name in result.sensors
+                         if not CHANNEL_FIELDS[name][0].on)
+        lines += [f"written to {output}; play it with 'hst-drive run {output}{topics}', then "
                   'diagnose its recording together with the first logs']
     lines += ['', 'what remains between the model of one and the fit of the other (sigma: '
               'linearised, as\nthe search ranks tests; played with noise it may be less):',
@@ -117,8 +121,8 @@ def sentence(result: Design) -> str:
     alone = ('No test within the limits is enough with the sensors that are there '
              f'({result.without_sensor:.1f} {worst})')
     if result.sensors:
-        added = ' and '.join(f'a sensor for {name} that resolves {_resolution(result, name)}'
-                             for name in result.sensors)
+        added = ' and '.join(f'a sensor for {name} (the rivals differ there by '
+                             f'{_difference(result, name)})' for name in result.sensors)
         test = 'any test' if result.advice == 'sensor' else 'this test'
         return f'{alone}. With {added} {test} {apart}.'
     remedy = ' or '.join(result.gauges) or 'a measurement of the part itself'
@@ -126,11 +130,11 @@ def sentence(result: Design) -> str:
            f'there is; if it leaves them apart by too little, only {remedy} will tell.'
 
 
-def _resolution(result: Design, sensor: str) -> str:
+def _difference(result: Design, sensor: str) -> str:
     from hst_drive.measure.run import CHANNELS
 
     unit = CHANNELS[sensor].display
-    return f'{from_si(result.resolution(sensor), unit):.2g} {unit}'
+    return f'{from_si(result.difference(sensor), unit):.2g} {unit}'
 
 
 def _differences(result: Design) -> str:
@@ -149,12 +153,12 @@ def _differences(result: Design) -> str:
 
 
 def as_json(result: Design, output: str | None) -> dict:
-    """Return the design in the form of schema hst_drive/design/1 (SI)."""
+    """Return the design in the form of schema hst_drive/design/2 (SI)."""
     return {
-        'schema': 'hst_drive/design/1', 'advice': result.advice, 'sentence': sentence(result),
+        'schema': 'hst_drive/design/2', 'advice': result.advice, 'sentence': sentence(result),
         'separates': result.rivals, 'significance': result.significance,
         'significance_without_sensor': result.without_sensor,
-        'sensors': {name: {'resolution': result.resolution(name)} for name in result.sensors},
+        'sensors': {name: {'difference': result.difference(name)} for name in result.sensors},
         'gauges': result.gauges, 'unclear': result.unclear,
         'sensor_options': result.options,
         'duration': result.trial.duration,

@@ -118,7 +118,7 @@ def _effects(result: Diagnosis) -> str:
             value = entry.parameters[parameter.name]
             (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
             rows.append([entry.id if place == 0 else '', parameter.name, middle,
-                         f'{low} to {high}', unit,
+                         f'{low} to {high}' if value.low < value.high else 'not fitted', unit,
                          f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
 
@@ -126,9 +126,13 @@ def _effects(result: Diagnosis) -> str:
 def _ladder(result: Diagnosis) -> str:
     signals = list(result.ladder[0].holdout)
     rows = [[('+ ' if place > 1 else '') + step.added,
-             *(f'{step.holdout[name]:.2f} ({step.training.get(name, float("nan")):.2f})'
+             *(f'{step.holdout[name]:.2f} ({_ratio(step.training.get(name))})'
                for name in signals)] for place, step in enumerate(result.ladder)]
     return table(['model', *signals], rows)
+
+
+def _ratio(value: float | None) -> str:
+    return '–' if value is None else f'{value:.2f}'
 
 
 def _calibration(moved) -> str:

@@ -100,7 +100,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([f'{more[0].upper()}{more[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
-                  if entry.id not in hidden and entry.id not in best.names},
+                  if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
         calibration=_calibration(campaign, best.fit), unknown=remaining,
         next_test=_next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals),

@@ -15,7 +15,6 @@ from typing import Callable, Iterable, Sequence
 
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.designer import ANY, Designer, KEPT, Rated, Verified
-from hst_drive.diagnose.rehearse import sensors
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.separation import CLEAR, driver, Pair
 from hst_drive.diagnose.trials import LONGEST, plain_drilling, scenario, Trial
@@ -81,8 +80,8 @@ class Design:
             catalogue()[name].gauge for names in self.unclear for name in names
             if catalogue()[name].gauge))
 
-    def resolution(self, sensor: str) -> float:
-        """Return what an added sensor must resolve, SI: the smallest difference that shows."""
+    def difference(self, sensor: str) -> float:
+        """Return the smallest difference between rivals, SI, that an added sensor has to show."""
         shown = [pair.differences[sensor] for pair in self.pairs if sensor in pair.differences]
         seen = [entry.rms for entry in shown if entry.floors >= 1.0]
         return min(seen or [max((entry.rms for entry in shown), default=0.0)])
@@ -166,7 +165,7 @@ def _sensors(work: Designer, rated: Sequence[Rated]) -> dict[str, Rated]:
             continue
         rehearsal = work.rehearsal(trial)
         for name in EXTRA:
-            if name not in work.channels and name in sensors(work.rig):
+            if name not in work.channels:
                 entry = Rated(trial, work.worth(trial, rehearsal, (*work.channels, name)))
                 found[name] = max(found.get(name, entry), entry, key=lambda item: item.worth)
     return found
@@ -180,7 +179,7 @@ def _second(work: Designer, found: Verified) -> Verified:
     """
     have = (*work.channels, *found.sensors)
     for name in EXTRA:
-        if name not in have and name in sensors(work.rig) and found.clear < 1.0:
+        if name not in have and found.clear < 1.0:
             tried = work.verified(found.trial, (*found.sensors[:1], name))
             found = max(found, tried, key=lambda entry: entry.clear)
     return found

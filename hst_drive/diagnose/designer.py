@@ -9,12 +9,12 @@ from typing import Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.families import FAMILIES
-from hst_drive.diagnose.rehearse import sensors
 from hst_drive.diagnose.separation import CLEAR, driver, Record, Rehearsal, verify
 from hst_drive.diagnose.trials import (
     ease, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
+from hst_drive.model import usual_sensors
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -90,7 +90,7 @@ class Designer:
                  progress: Callable[[str], None] = lambda text: None):
         self.rig, self.models = rig, tuple(models)
         self.likely = likely or len(self.models)
-        self.channels = tuple(name for name in channels if name in sensors(rig))
+        self.channels = tuple(name for name in channels if name in usual_sensors(rig))
         self.closed_loop, self.progress = closed_loop, progress
         self.unit = LoadingUnit.of(rig.loading)
         self.compiled = driver(rig, Model()).kernel.compiled

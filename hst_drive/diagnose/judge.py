@@ -52,7 +52,7 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
         clipped = np.clip(difference, centre - limit, centre + limit)
         error = max(clipped.std(ddof=1) / np.sqrt(len(clipped)), 1e-9)
         amount[name] = float(difference.mean())
-        share[name] = float(difference.mean() / first[valid].mean())
+        share[name] = float(difference.mean() / max(first[valid].mean(), 1e-30))
         sigma[name] = float(clipped.mean() / error)
     return Gain(share, sigma, amount)
 

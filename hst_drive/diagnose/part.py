@@ -112,8 +112,12 @@ class PartCampaign(Campaign):
         """Say whether a parameter is fitted: here also the shape of a friction curve."""
         if name not in catalogue():
             return super().fits(name, key)
-        parameter = catalogue()[name].parameter(key)
-        return not parameter.whole_drive and self.recorded(parameter)
+        effect = catalogue()[name]
+        parameter = effect.parameter(key)
+        if parameter.whole_drive:
+            # As well as there where the effect is measured by itself.
+            return any(entry.needs and self.recorded(entry) for entry in effect.parameters)
+        return self.recorded(parameter)
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

@@ -7,32 +7,13 @@ from hst_drive.control import PiController
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
-from hst_drive.model import Drive, SensorBank
-from hst_drive.rig import Rig
-from hst_drive.rig.rig import Sensor
+from hst_drive.model import Drive, SensorBank, usual_sensors
 import numpy as np
 from scipy.signal import lfilter
 
 INPUTS = ('pump_command', 'pprv_command', 'oil_temperature')
 _ROUGH_TIME = 0.3       # s over which the ground's roughness is alike
 _ROUGH_SHARE = 0.0015   # of the greatest load torque
-
-
-def sensors(rig: Rig) -> dict[str, Sensor]:
-    """Return the rig's sensors, and for channels without one a sensor of the usual kind."""
-    stated = rig.sensors
-    pressure = stated.get('pump_outlet_pressure') or Sensor(6e-4 * rig.relief_valve.set_pressure)
-    flow_range = rig.pump.max_displacement * rig.pump.shaft_speed
-    usual = {
-        'pump_outlet_pressure': pressure, 'motor_inlet_pressure': pressure,
-        'motor_outlet_pressure': pressure,
-        'motor_inlet_flow': Sensor(1.2e-3 * flow_range),
-        'case_drain_flow': Sensor(2.5e-4 * flow_range), 'motor_speed': Sensor(0.016),
-        'load_torque': Sensor(0.0015 * rig.motor.displacement * rig.relief_valve.set_pressure),
-        'pump_displacement': Sensor(7e-4 * rig.pump.max_displacement),
-        'pump_speed': Sensor(1e-4 * rig.pump.shaft_speed),
-    }
-    return {**usual, **{name: sensor for name, sensor in stated.items() if name in usual}}
 
 
 def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -> Run:
@@ -53,7 +34,7 @@ def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -
     Returns
     -------
     Run
-        All channels of ``sensors`` and the inputs, SI.
+        All channels of ``usual_sensors`` and the inputs, SI.
 
     """
     rig, random = drive.rig, np.random.default_rng([seed, 1])
@@ -68,7 +49,7 @@ def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -
               'oil_temperature': scenario.oil_temperature.sample(time),
               'load_disturbance': rough}
     bank = SensorBank(rig, seed)
-    bank.sensors = sensors(rig)
+    bank.sensors = usual_sensors(rig)
     if scenario.pump_command is None:
         inputs['pump_command'] = _controlled(drive, time, speed, inputs,
                                              bank.sensors['motor_speed'].noise_std, random)

@@ -11,6 +11,7 @@ from hst_drive.rig.rig import Sensor
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+_LOOKED_AT, _COARSE = 20_000, 12     # values, and how many a coarse reading takes
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
 
 
@@ -33,7 +34,8 @@ class Readings:
     def step(self, name: str) -> float:
         """Return the deviation (SI) that the sensor's resolution alone makes."""
         sensor = self.sensors.get(name)
-        return max(sensor.resolution / np.sqrt(12.0) if sensor else 0.0, 1e-12)
+        stated = sensor.resolution if sensor else 0.0
+        return max(max(stated, _seen_step(self.run[name])) / np.sqrt(12.0), 1e-12)
 
     def noise(self, name: str, values: np.ndarray) -> float:
         """Tell how large the white part of a signal is, or of what is left of it (SI)."""
@@ -42,6 +44,9 @@ class Readings:
         moving = np.where(low | high, np.nan, values)
         if np.mean(np.isfinite(moving)) < 0.5 * np.mean(np.isfinite(values)):
             moving = values
+        if np.nanmin(values) == np.nanmax(values) and name in self.sensors:
+            # One number throughout says nothing of the noise, and is no sign that there is none.
+            return max(self.sensors[name].noise_std, self.step(name))
         return max(noise_std(moving), self.step(name))
 
     def at_ends(self, name: str, rows: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
@@ -69,6 +74,12 @@ class Readings:
             # mirrored at the ends: 'nearest' would hold one noisy sample for a second
             values = uniform_filter1d(values, width, mode='reflect')
         return values
+
+
+def _seen_step(values: np.ndarray) -> float:
+    """Return the steps of a reading that takes few values; 0 of one that takes many."""
+    distinct = np.unique(values[np.isfinite(values)][:_LOOKED_AT])
+    return float(np.diff(distinct).min()) if 1 < len(distinct) <= _COARSE else 0.0
 
 
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:

@@ -18,7 +18,7 @@ from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.start import first_state
-from hst_drive.model import Drive
+from hst_drive.model import Drive, usual_sensors
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -79,7 +79,7 @@ class Replay:
                              'whole drive needs pump_command and pprv_command; name the foreign '
                              'column with --channels')
         self.run = run
-        self.readings = Readings(run, drive.rig.sensors)
+        self.readings = Readings(run, {**usual_sensors(drive.rig), **drive.rig.sensors})
         self.stamps = _STAMPS
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:

@@ -14,6 +14,6 @@ motor-loss paper
     Fluid Power 22(3), 2021, 293-330, doi 10.13052/ijfp1439-9776.2231. Eqs. (1) to (15).
 """
 from hst_drive.model.drive import Drive, OUTPUTS, STATES
-from hst_drive.model.sensors import SensorBank
+from hst_drive.model.sensors import SensorBank, usual_sensors
 
-__all__ = ['Drive', 'OUTPUTS', 'STATES', 'SensorBank']
+__all__ = ['Drive', 'OUTPUTS', 'STATES', 'SensorBank', 'usual_sensors']

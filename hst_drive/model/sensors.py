@@ -3,11 +3,28 @@
 """What the sensors make of the true values: noise, range and steps of the reading."""
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Iterable, Mapping
 
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Sensor
 import numpy as np
+
+
+def usual_sensors(rig: Rig) -> dict[str, Sensor]:
+    """Return a whole rig's sensors, and for channels without one a sensor of the usual kind."""
+    stated = rig.sensors
+    pressure = stated.get('pump_outlet_pressure') or Sensor(6e-4 * rig.relief_valve.set_pressure)
+    flow_range = rig.pump.max_displacement * rig.pump.shaft_speed
+    usual = {
+        'pump_outlet_pressure': pressure, 'motor_inlet_pressure': pressure,
+        'motor_outlet_pressure': pressure,
+        'motor_inlet_flow': Sensor(1.2e-3 * flow_range),
+        'case_drain_flow': Sensor(2.5e-4 * flow_range), 'motor_speed': Sensor(0.016),
+        'load_torque': Sensor(0.0015 * rig.motor.displacement * rig.relief_valve.set_pressure),
+        'pump_displacement': Sensor(7e-4 * rig.pump.max_displacement),
+        'pump_speed': Sensor(1e-4 * rig.pump.shaft_speed),
+    }
+    return {**usual, **{name: sensor for name, sensor in stated.items() if name in usual}}
 
 
 class SensorBank:
@@ -20,11 +37,16 @@ class SensorBank:
         Its ``sensors`` say which channels there are and how good.
     seed : int
         The same seed gives the same noise, reading by reading.
+    more : iterable of str
+        Channels that are read as well, by a usual sensor if the rig states none.
 
     """
 
-    def __init__(self, rig: Rig, seed: int = 0):
-        self.sensors = rig.sensors
+    def __init__(self, rig: Rig, seed: int = 0, more: Iterable[str] = ()):
+        self.sensors = dict(rig.sensors)
+        for name in more:
+            if name not in self.sensors and name in (usual := usual_sensors(rig)):
+                self.sensors[name] = usual[name]
         self._random = np.random.default_rng(seed)
 
     def read(self, values: Mapping[str, float]) -> dict[str, float]:

@@ -61,7 +61,7 @@ class DriveNode(Node):
         self.settings = declare(self, COMMON + self.parameters)
         self._tell_unused(of_topics=False)
         if self.settings['priority']:
-            go_before_others(self.role, self.settings['priority'])
+            go_before_others(self.settings['priority'])
         self.partners: list[str] = self.settings['partners']
         self.lockstep: bool = self.settings['lockstep']
         self.taken: tuple[str, ...] = ()

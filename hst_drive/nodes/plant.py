@@ -62,7 +62,9 @@ class Plant(DriveNode):
         effects, late = parse_effects(settings['effects']), settings['effects_from'] > 0.0
         self._drive = Drive(rig, None if late else effects)
         self._later = Drive(rig, effects) if late else None
-        self._sensors = SensorBank(rig, settings['seed'])
+        more = wiring.readings(settings['extra_topics'])
+        self._sensors = SensorBank(rig, settings['seed'], [
+            field.channel for name in more for field in topic_named(name).fields if field.channel])
         self._state = self._first_state()
         self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
         self._period = round(BILLION / settings['rate'])

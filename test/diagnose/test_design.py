@@ -152,7 +152,8 @@ def test_the_advice_names_gauge_and_resolution():
                   for rival, rms, floors in ((1, 2e3, 0.1), (2, 4e5, 20.0)))
     said = sentence(Design(names, 'both', trial, {}, 4.0, 0.4, ('motor_inlet_pressure',),
                            pairs=pairs))
-    assert 'motor_inlet_pressure that resolves 4 bar' in said and 'return line' not in said
+    assert 'motor_inlet_pressure (the rivals differ there by 4 bar)' in said
+    assert 'return line' not in said
 
 
 def _diagnosis(**changes):
@@ -244,6 +245,6 @@ def test_the_verb_writes_a_scenario_that_plays(quick, tmp_path, capsys):
                  str(data), '--duration', '50', '--closed-loop']) == 0
     said = capsys.readouterr().out
     result = json.loads(data.read_text())
-    assert result['schema'] == 'hst_drive/design/1' and result['sentence'] in said
+    assert result['schema'] == 'hst_drive/design/2' and result['sentence'] in said
     play = load_scenario(path, RIG)
     assert play.mode == 'closed_loop' and play.duration <= 50.0

@@ -7,7 +7,9 @@ from test.truth.sensors import STANDARD
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
+from hst_drive.model import Drive, SensorBank
 from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 import numpy as np
@@ -63,3 +65,46 @@ def test_a_bench_of_the_hydromotor_alone_closes_the_return_line():
     taken = without['motor_torque'] - lossy['motor_torque']
     np.testing.assert_allclose(taken[20:-20], outlet[GAUGE][20:-20] * rig.motor.displacement,
                                rtol=1e-3)
+
+
+def test_a_bench_with_a_gauge_names_back_pressure_alone():
+    """All its parameters are fitted where the gauge shows them."""
+    rig, random, time = default_rig(), np.random.default_rng(1), np.arange(6000) / 100
+    speed = 8 + 4 * np.sin(0.23 * time)
+    pressure = (80 + 40 * np.sin(0.4 * time) + 15 * np.sign(np.sin(1.3 * time))) * 1e5
+    model = PartModel(rig, {'back_pressure': {
+        'outlet_pressure': RETURN, 'flow_share': 0.25, 'loss_share': 1.0}})
+    torque = model.motor_torque(model.complete({'motor_speed': speed, 'pressure': pressure,
+                                                'pump_pressure': pressure}))
+    outlet = RETURN * (1 + 0.25 * (speed / 10 - 1))
+    channels = {'motor_inlet_pressure': (pressure, 1e4), 'motor_speed': (speed, 1e-3),
+                'motor_torque': (torque, 0.4), GAUGE: (outlet, 1e4)}
+    result = diagnose(rig, [Run('bench', time, {
+        name: values + noise * random.standard_normal(len(time))
+        for name, (values, noise) in channels.items()})])
+    assert [entry.id for entry in result.effects] == ['back_pressure']
+    found = result.effects[0].parameters
+    assert found['outlet_pressure'].value == pytest.approx(RETURN, rel=0.03)
+    assert found['flow_share'].value == pytest.approx(0.25, abs=0.05)
+    assert found['loss_share'].value == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize('reading, floor', [
+    (np.zeros(3000), 0.12e5),                                   # dead, or no return pressure
+    (np.round(np.linspace(0, 3.9, 3000)) * 2e5, 2e5 / 12**0.5),     # steps of 2 bar
+])
+def test_a_gauge_that_shows_no_noise_is_not_taken_for_perfect(reading, floor):
+    time = np.arange(3000) / 100
+    drive = Drive(default_rig())
+    inputs = {'pump_command': np.full(3000, 5.6), 'pprv_command': np.full(3000, 3.0)}
+    run = Run('log', time, {**inputs, 'motor_speed': drive.simulate(time, inputs)['motor_speed'],
+                            GAUGE: reading})
+    assert Replay(run, drive).noise[GAUGE] == pytest.approx(floor, rel=0.05)
+
+
+def test_the_plant_reads_it_with_a_usual_gauge():
+    truth = {GAUGE: np.full(4000, RETURN), 'motor_speed': np.full(4000, 10.0)}
+    assert GAUGE not in SensorBank(default_rig()).read(truth)
+    noisy = SensorBank(default_rig(), 1, (GAUGE,)).read(truth)
+    assert np.std(noisy[GAUGE]) == pytest.approx(0.12e5, rel=0.1)
+    assert set(noisy) == {GAUGE, 'motor_speed'}

@@ -18,7 +18,7 @@ early = threading.Event()
 threading.Thread(target=early.wait, daemon=True).start()
 {before}
 try:
-    go_before_others('plant', 7)
+    go_before_others(7)
     threading.Thread(target=early.wait, daemon=True).start()
     tasks = [int(name) for name in os.listdir('/proc/self/task')]
     print(len(tasks) >= 3, {{(os.sched_getscheduler(task) == os.SCHED_RR,
@@ -43,7 +43,7 @@ def test_every_thread_has_it():
 def test_who_may_not_is_told_what_to_do():
     told = said('import resource\nresource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))\n'
                 'os.geteuid() or os.setuid(65534)')
-    assert told.startswith('plant: parameter priority 7: Operation not permitted; it needs')
+    assert told.startswith('parameter priority 7: Operation not permitted; it needs')
     assert 'rtprio' in told and '\n' not in told
 
 
