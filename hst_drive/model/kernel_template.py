@@ -120,7 +120,7 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, cell
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
              twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
-             disturbance, p, on, cells, layout):
+             disturbance, oil_compliance, p, on, cells, layout):
     """
     Evaluate all balances at one instant.
 
@@ -170,7 +170,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
             max(pump_pressure - p[P_relief_reference_pressure], 0.0))
     pump_flow = displacement * pump_speed - pump_leakage - pump_flow_loss - relief_flow
 
-    compliance = 1.0 / bulk_modulus
+    compliance = oil_compliance
     # slot compliance
 
     back_pressure = 0.0
@@ -213,14 +213,13 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
                 speed_change, pump_speed_lag, displacement, pump_pressure, motor_speed,
                 pprv_pressure, load_speed, reading, slowdown, target, pprv_target, lag, rate,
-                back_rate, reading_lag, p, on):
+                back_rate, reading_lag, per_inertia, per_pprv_lag, p, on):
     """Return the time derivatives of the nine states from what the balances have found."""
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -back_rate), rate)
     # Not divided by what is known before: the next stage waits for both sums.
     stiffness = 1.0 / (compliance * p[P_volume])
-    per_inertia = 1.0 / p[P_inertia]
     pressure_rate = (pump_flow - flow) * stiffness
     if pump_pressure <= CAVITATION_PRESSURE and pressure_rate < 0.0:
         pressure_rate = 0.0
@@ -241,7 +240,7 @@ def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_to
     if pump_speed_lag > PUMP_SPEED_AT_ONCE:
         slowdown_rate = (speed_change - slowdown) / pump_speed_lag
     return (displacement_rate, pressure_rate, acceleration,
-            (pprv_target - pprv_pressure) / p[P_pprv_lag], motor_speed, load_acceleration,
+            (pprv_target - pprv_pressure) * per_pprv_lag, motor_speed, load_acceleration,
             twist_rate, reading_rate, slowdown_rate)
 
 
@@ -267,6 +266,17 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     max_displacement = p[P_max_displacement]
     # The fastest that Adams and Bashforth have to follow: the oil's spring with the inertia.
     swing = p[P_motor_displacement] * math.sqrt(p[P_bulk_modulus] / (p[P_volume] * p[P_inertia]))
+    actuator = (on[SLOT_pump_command] or on[SLOT_pump_play] or on[SLOT_pump_play_softness]
+                or on[SLOT_pump_play_spread] or on[SLOT_pump_lag] or on[SLOT_pump_series_lag]
+                or on[SLOT_pump_stroke_time] or on[SLOT_pump_stroke_asymmetry])
+    reads = (on[SLOT_pressure_reading] or on[SLOT_flow_reading] or on[SLOT_speed_reading]
+             or on[SLOT_torque_reading])
+    # Divided once, not in each evaluation.
+    oil_compliance, per_inertia = 1.0 / p[P_bulk_modulus], 1.0 / p[P_inertia]
+    per_pprv_lag = 1.0 / p[P_pprv_lag]
+    # Whether any but the first five states moves by itself.
+    extended = (on[SLOT_shaft_compliance] or on[SLOT_speed_reading_lag]
+                or on[SLOT_pump_speed_lag])
     still = 0
     # Slopes at the last row, at the one before, and before that.
     a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = a8 = 0.0
@@ -281,13 +291,19 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         if not math.isnan(motor_angles[k]):
             motor_angle = motor_angles[k]
         pump_command = raw_command
-        # slot pump_command
-        pump_play = 0.0
-        # slot pump_play
-        pump_play_softness = 0.0
-        # slot pump_play_softness
-        pump_play_spread = 0.0
-        # slot pump_play_spread
+        pump_play = pump_play_softness = pump_play_spread = 0.0
+        pump_lag = p[P_displacement_lag]
+        pump_series_lag = pump_stroke_time = pump_stroke_asymmetry = 0.0
+        if actuator:
+            # slot pump_command
+            # slot pump_play
+            # slot pump_play_softness
+            # slot pump_play_spread
+            # slot pump_lag
+            # slot pump_series_lag
+            # slot pump_stroke_time
+            # slot pump_stroke_asymmetry
+            pass
         whole_command = pump_command
         if pump_play > 0.0:
             play = played(play, last_command, pump_command,
@@ -301,14 +317,6 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         else:
             play = wide_play = pump_command
         last_command = whole_command
-        pump_lag = p[P_displacement_lag]
-        # slot pump_lag
-        pump_series_lag = 0.0
-        # slot pump_series_lag
-        pump_stroke_time = 0.0
-        # slot pump_stroke_time
-        pump_stroke_asymmetry = 0.0
-        # slot pump_stroke_asymmetry
         shortest_lag = min(pump_lag, p[P_pprv_lag])
         if pump_series_lag > 0.0:
             shortest_lag = min(shortest_lag, pump_series_lag)
@@ -359,8 +367,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                  compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
                  speed_change, pump_speed_lag, back_pressure) = balances(
                     x0, x1, x2, x3, x4, x5, x6, x8, pump_command, pprv_command, oil_temperature,
-                    viscosity_ratio, disturbance + slope * (elapsed + ahead), p, on, cells,
-                    layout)
+                    viscosity_ratio, disturbance + slope * (elapsed + ahead), oil_compliance, p,
+                    on, cells, layout)
                 if stage == 0 and elapsed == 0.0:
                     if k == 0 and math.isnan(slowdown):
                         # Not known at the start: taken as settled.
@@ -369,13 +377,15 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     # (a sine) out of this block and does it in every step.
                     motor_angle = x4
                     pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
-                    # slot pressure_reading
                     flow_reading = flow
-                    # slot flow_reading
                     speed_reading = reading
-                    # slot speed_reading
                     torque_reading = shaft_torque
-                    # slot torque_reading
+                    if reads:
+                        # slot pressure_reading
+                        # slot flow_reading
+                        # slot speed_reading
+                        # slot torque_reading
+                        pass
                     out[k, 0] = pressure_reading
                     out[k, 1] = flow_reading
                     out[k, 2] = speed_reading
@@ -398,7 +408,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 r0, r1, r2, r3, r4, r5, r6, r7, r8 = derivatives(
                     flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
                     speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, aim,
-                    pprv_target, pump_lag, rate, back_rate, speed_reading_lag, p, on)
+                    pprv_target, pump_lag, rate, back_rate, speed_reading_lag, per_inertia,
+                    per_pprv_lag, p, on)
                 if stage == 0:
                     step = max_step
                     if on[SLOT_shaft_compliance]:
@@ -424,7 +435,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                         and interval * swing < 0.2 and 5.0 * interval < shortest_lag
                         and interval * abs(r1 - 3.0 * a1 + 3.0 * b1 - c1) < BEND_PRESSURE
                         and interval * abs(r2 - 3.0 * a2 + 3.0 * b2 - c2) < BEND_SPEED
-                        and interval * abs(r5 - 3.0 * a5 + 3.0 * b5 - c5) < BEND_SPEED)
+                        and (not extended
+                             or interval * abs(r5 - 3.0 * a5 + 3.0 * b5 - c5) < BEND_SPEED))
                     if from_history:
                         step = interval
                         s0 = 13.75 * r0 - 14.75 * a0 + 9.25 * b0 - 2.25 * c0
@@ -432,14 +444,19 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                         s2 = 13.75 * r2 - 14.75 * a2 + 9.25 * b2 - 2.25 * c2
                         s3 = 13.75 * r3 - 14.75 * a3 + 9.25 * b3 - 2.25 * c3
                         s4 = 13.75 * r4 - 14.75 * a4 + 9.25 * b4 - 2.25 * c4
-                        s5 = 13.75 * r5 - 14.75 * a5 + 9.25 * b5 - 2.25 * c5
-                        s6 = 13.75 * r6 - 14.75 * a6 + 9.25 * b6 - 2.25 * c6
-                        s7 = 13.75 * r7 - 14.75 * a7 + 9.25 * b7 - 2.25 * c7
-                        s8 = 13.75 * r8 - 14.75 * a8 + 9.25 * b8 - 2.25 * c8
+                        if extended:
+                            s5 = 13.75 * r5 - 14.75 * a5 + 9.25 * b5 - 2.25 * c5
+                            s6 = 13.75 * r6 - 14.75 * a6 + 9.25 * b6 - 2.25 * c6
+                            s7 = 13.75 * r7 - 14.75 * a7 + 9.25 * b7 - 2.25 * c7
+                            s8 = 13.75 * r8 - 14.75 * a8 + 9.25 * b8 - 2.25 * c8
                     if elapsed == 0.0:
-                        c0, c1, c2, c3, c4, c5, c6, c7, c8 = b0, b1, b2, b3, b4, b5, b6, b7, b8
-                        b0, b1, b2, b3, b4, b5, b6, b7, b8 = a0, a1, a2, a3, a4, a5, a6, a7, a8
-                        a0, a1, a2, a3, a4, a5, a6, a7, a8 = r0, r1, r2, r3, r4, r5, r6, r7, r8
+                        c0, c1, c2, c3, c4 = b0, b1, b2, b3, b4
+                        b0, b1, b2, b3, b4 = a0, a1, a2, a3, a4
+                        a0, a1, a2, a3, a4 = r0, r1, r2, r3, r4
+                        if extended:
+                            c5, c6, c7, c8 = b5, b6, b7, b8
+                            b5, b6, b7, b8 = a5, a6, a7, a8
+                            a5, a6, a7, a8 = r5, r6, r7, r8
                     if from_history:
                         break
                     remaining = interval - elapsed
