@@ -62,15 +62,14 @@ class Plant(DriveNode):
         effects, late = parse_effects(settings['effects']), settings['effects_from'] > 0.0
         self._drive = Drive(rig, None if late else effects)
         self._later = Drive(rig, effects) if late else None
-        more = wiring.readings(settings['extra_topics'])
         self._sensors = SensorBank(rig, settings['seed'], [
-            field.channel for name in more for field in topic_named(name).fields if field.channel])
+            field.channel for name in wiring.readings(settings['extra_topics'])
+            for field in topic_named(name).fields if field.channel])
         self._state = self._first_state()
         self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
         self._period = round(BILLION / settings['rate'])
         self._steps = (round(settings['duration'] * BILLION / self._period) or None
                        if settings['duration'] else None)
-        self._step = -1
         self._inputs = {'pump_command': 0.0, 'pprv_command': 0.0,
                         'oil_temperature': rig.characterised_at}
         if self.lockstep and not {'controller', 'load_profile'} & set(self.partners):
@@ -78,9 +77,9 @@ class Plant(DriveNode):
                              'the partners')
         self._pending: set[str] = set()
         self._early: dict[tuple[str, int], float] = {}
-        self._unready = {name for name in self.partners if name != self.role}
-        self._unanswered: set[str] = set()
-        self._asked, self._finishing, self._running = -1, False, False
+        self._unready, self._unanswered = {*self.partners} - {self.role}, set()
+        self._step = self._asked = -1
+        self._finishing = self._running = False
         self._times = np.array([0.0, self._period / BILLION])
         self._late: deque[float] = deque(maxlen=10_000)   # s behind the grid, in real time
         # Compiled code is loaded when it is first called: now, not in the first sample.
