@@ -112,11 +112,9 @@ def steps_back(topic: Written) -> list[Step]:
 
 def _again(earlier: np.ndarray, after: np.ndarray, period: float) -> bool:
     """Tell whether stamps lie where there were some before, or before all of them."""
-    if after.max() < earlier.min():
-        return True
     after = after[after <= earlier.max()]
     near = np.abs(earlier[:, None] - after[None, :]).min(axis=0) <= period
-    return float(np.mean(near)) > _COVERED
+    return float(np.mean(near | (after < earlier.min()))) > _COVERED
 
 
 class Around(NamedTuple):
