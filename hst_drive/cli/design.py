@@ -88,12 +88,12 @@ def run(args: argparse.Namespace) -> int:
 
 def text(result: Design, output: str | None) -> str:
     """Return the advice for a terminal."""
+    from hst_drive.bag.topics import CHANNEL_FIELDS
+
     rivals = ', '.join(' + '.join(names) for names in result.rivals)
     lines = [f'to tell apart: {rivals}', '', sentence(result), '']
     lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
     if output:
-        from hst_drive.bag.topics import CHANNEL_FIELDS
-
         topics = ''.join(f' --topic {CHANNEL_FIELDS[name][0].name}' for name in result.sensors
                          if not CHANNEL_FIELDS[name][0].on)
         lines += [f"written to {output}; play it with 'hst-drive run {output}{topics}', then "

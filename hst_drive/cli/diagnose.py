@@ -13,7 +13,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_logs, rig_of
-from hst_drive.cli.output import add_json_argument, say, size, table, write_json
+from hst_drive.cli.output import add_json_argument, MISSING, say, size, table, write_json
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.result import Diagnosis, Unknown
@@ -132,7 +132,7 @@ def _ladder(result: Diagnosis) -> str:
 
 
 def _ratio(value: float | None) -> str:
-    return '–' if value is None else f'{value:.2f}'
+    return MISSING if value is None else f'{value:.2f}'
 
 
 def _calibration(moved) -> str:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, Sequence
 
-from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects import catalogue
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -152,11 +152,7 @@ class Campaign:
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter of an effect is fitted rather than chosen."""
         parameter = catalogue(everything=True)[name].parameter(key)
-        return not parameter.fixed and self.recorded(parameter)
-
-    def recorded(self, parameter: Parameter) -> bool:
-        """Say whether the channel that a parameter needs is there."""
-        return not parameter.needs or parameter.needs in self.signals
+        return not parameter.fixed and parameter.recorded_in(self.signals)
 
     def scatter(self, name: str) -> float:
         """

@@ -90,7 +90,8 @@ class Designer:
                  progress: Callable[[str], None] = lambda text: None):
         self.rig, self.models = rig, tuple(models)
         self.likely = likely or len(self.models)
-        self.channels = tuple(name for name in channels if name in usual_sensors(rig))
+        known = usual_sensors(rig)
+        self.channels = tuple(name for name in channels if name in known)
         self.closed_loop, self.progress = closed_loop, progress
         self.unit = LoadingUnit.of(rig.loading)
         self.compiled = driver(rig, Model()).kernel.compiled

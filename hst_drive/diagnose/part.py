@@ -116,8 +116,8 @@ class PartCampaign(Campaign):
         parameter = effect.parameter(key)
         if parameter.whole_drive:
             # As well as there where the effect is measured by itself.
-            return any(entry.needs and self.recorded(entry) for entry in effect.parameters)
-        return self.recorded(parameter)
+            return any(entry.needs in self.signals for entry in effect.parameters)
+        return parameter.recorded_in(self.signals)
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import inspect
 import math
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Collection, NamedTuple
 
 
 class Slot(NamedTuple):
@@ -116,6 +116,10 @@ class Parameter:
     fixed: bool = False
     whole_drive: bool = False
     needs: str = ''
+
+    def recorded_in(self, channels: Collection[str]) -> bool:
+        """Say whether the channel that it needs, if any, is there."""
+        return not self.needs or self.needs in channels
 
 
 @dataclass(frozen=True)

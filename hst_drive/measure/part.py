@@ -254,7 +254,7 @@ class PartReplay:
         return model.motor_leakage(known)
 
     def _return_line(self, model, known, channels, name) -> np.ndarray:
-        return model.terms('back_pressure', known) + np.zeros(len(self.run))
+        return model.terms('back_pressure', known)
 
     def _line(self, model, known, channels, name) -> np.ndarray:
         pressure = channels['motor_inlet_pressure'] + model.line_drop(known)

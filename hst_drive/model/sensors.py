@@ -3,7 +3,7 @@
 """What the sensors make of the true values: noise, range and steps of the reading."""
 from __future__ import annotations
 
-from typing import Iterable, Mapping
+from typing import Mapping, Sequence
 
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Sensor
@@ -37,16 +37,14 @@ class SensorBank:
         Its ``sensors`` say which channels there are and how good.
     seed : int
         The same seed gives the same noise, reading by reading.
-    more : iterable of str
+    more : sequence of str
         Channels that are read as well, by a usual sensor if the rig states none.
 
     """
 
-    def __init__(self, rig: Rig, seed: int = 0, more: Iterable[str] = ()):
-        self.sensors = dict(rig.sensors)
-        for name in more:
-            if name not in self.sensors and name in (usual := usual_sensors(rig)):
-                self.sensors[name] = usual[name]
+    def __init__(self, rig: Rig, seed: int = 0, more: Sequence[str] = ()):
+        usual = usual_sensors(rig) if more else {}
+        self.sensors = {**rig.sensors, **{name: usual[name] for name in more if name in usual}}
         self._random = np.random.default_rng(seed)
 
     def read(self, values: Mapping[str, float]) -> dict[str, float]:
