@@ -102,9 +102,11 @@ def test_a_gauge_that_shows_no_noise_is_not_taken_for_perfect(reading, floor):
     assert Replay(run, drive).noise[GAUGE] == pytest.approx(floor, rel=0.05)
 
 
-def test_the_plant_reads_it_with_a_usual_gauge():
-    truth = {GAUGE: np.full(4000, RETURN), 'motor_speed': np.full(4000, 10.0)}
+@pytest.mark.parametrize('pressure', [0.0, RETURN])
+def test_the_plant_reads_it_with_a_usual_gauge(pressure):
+    truth = {GAUGE: np.full(4000, pressure), 'motor_speed': np.full(4000, 10.0)}
     assert GAUGE not in SensorBank(default_rig()).read(truth)
     noisy = SensorBank(default_rig(), 1, (GAUGE,)).read(truth)
     assert np.std(noisy[GAUGE]) == pytest.approx(0.12e5, rel=0.1)
+    assert np.mean(noisy[GAUGE]) == pytest.approx(pressure, abs=0.01e5)
     assert set(noisy) == {GAUGE, 'motor_speed'}
