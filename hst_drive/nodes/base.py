@@ -15,7 +15,7 @@ import warnings
 from hst_drive.bag.topics import NAMESPACE
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
-from hst_drive.nodes.endpoints import Input, Output, topic_named
+from hst_drive.nodes.endpoints import Input, Output, partners_of, topic_named
 from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
 from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.session import PARENT
@@ -134,13 +134,12 @@ class DriveNode(Node):
     def not_connected(self) -> list[str]:
         """Return the names of the topics on which a partner is still missing."""
         others = [name for name in self.partners if name != self.role]
-        missing = [name for name, entry in self.inputs.items()
-                   if entry.topic.publisher in others and not entry.connected()]
-        missing += [name for name, entry in self.outputs.items()
-                    if not entry.connected(wiring.readers(name, others, self.taken))]
-        count = len(self.partners)
-        if (self.sync.publisher.get_subscription_count() < count
-                or self.sync.subscription.get_publisher_count() < count):
+        missing = [name for name, entry in self.inputs.items() if entry.topic.publisher in others
+                   and partners_of(self, entry.subscription) < 1]
+        missing += [name for name, entry in self.outputs.items() if partners_of(
+            self, entry.publisher) < wiring.readers(name, others, self.taken)]
+        if min(partners_of(self, self.sync.publisher),
+               partners_of(self, self.sync.subscription)) < len(self.partners):
             missing.append('sync')
         return missing
 

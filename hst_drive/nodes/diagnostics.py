@@ -42,7 +42,3 @@ class Diagnostics:
                             {'key': key, 'value': str(value)} for key, value in values.items()]}],
         }))
         self.published += 1
-
-    def connected(self, readers: int) -> bool:
-        """Return whether as many subscriptions are matched."""
-        return self.publisher.get_subscription_count() >= readers

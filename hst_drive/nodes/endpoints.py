@@ -15,7 +15,9 @@ from hst_drive.bag.topics import (ATMOSPHERE, Field, first_of_several, FLUID_PRE
                                   Qos, TEMPERATURE, Topic, TOPICS, TRUTH)
 from hst_drive.errors import InputError
 from hst_drive.units import canonical, UNITS
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.publisher import Publisher
+from rclpy.qos import (DurabilityPolicy, qos_check_compatible, QoSCompatibility, QoSProfile,
+                       ReliabilityPolicy)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 BILLION = 1_000_000_000
@@ -41,6 +43,27 @@ def qos_profile(qos: Qos, depth: int | None = None) -> QoSProfile:
     return QoSProfile(
         depth=depth or qos.depth, durability=DurabilityPolicy[qos.durability.upper()],
         reliability=ReliabilityPolicy[qos.reliability.upper()])
+
+
+def partners_of(node, end) -> int:
+    """
+    Return how many of a node's partners are at the other end of its publisher or subscription.
+
+    Whoever else is there only looks on; the middleware's own count does not say who is matched.
+    """
+    if publishes := isinstance(end, Publisher):
+        others = node.get_subscriptions_info_by_topic(end.topic_name)
+        matched = end.get_subscription_count()
+    else:
+        others = node.get_publishers_info_by_topic(end.topic_name)
+        matched = end.get_publisher_count()
+    for other in others:
+        offered, wanted = (end, other) if publishes else (other, end)
+        partner = (other.node_namespace == node.get_namespace()
+                   and other.node_name in node.partners)
+        fits = qos_check_compatible(offered.qos_profile, wanted.qos_profile)[0]
+        matched -= not partner and fits != QoSCompatibility.ERROR
+    return matched
 
 
 def stamp_of(data: bytes) -> int:
@@ -141,10 +164,6 @@ class Output:
         self.publisher.publish(bytes(data))
         self.published += 1
 
-    def connected(self, readers: int) -> bool:
-        """Return whether as many subscriptions are matched."""
-        return self.publisher.get_subscription_count() >= readers
-
 
 class ClockOutput:
     """The publisher of /clock; ``ahead`` is how many messages a reader may be behind."""
@@ -196,10 +215,6 @@ class Input:
         self._callback(stamp_of(data), tuple([
             value * factor + offset + shift
             for value, (factor, offset, shift) in zip(values, self._scales)]))
-
-    def connected(self) -> bool:
-        """Return whether a publisher is matched."""
-        return self.subscription.get_publisher_count() > 0
 
     def found(self) -> str:
         """Return the topic's name and what is there of its publishers."""

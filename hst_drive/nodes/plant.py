@@ -14,7 +14,7 @@ from hst_drive.model.compose import STATES
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
-from hst_drive.nodes.endpoints import BILLION, ClockOutput, topic_named
+from hst_drive.nodes.endpoints import BILLION, ClockOutput, partners_of, topic_named
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.nodes.readings import BURST, Readings
 from hst_drive.nodes.settings import parse_effects
@@ -116,7 +116,7 @@ class Plant(DriveNode):
         missing = super().not_connected()
         reads_clock = 'load_profile' in self.partners and not self.settings['lookahead']
         if (self.lockstep and reads_clock
-                and not self._clock_output.publisher.get_subscription_count()):
+                and partners_of(self, self._clock_output.publisher) < 1):
             missing.append('/clock')
         return missing
 

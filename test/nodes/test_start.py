@@ -12,6 +12,7 @@ from hst_drive.errors import InputError
 from hst_drive.nodes.session import environment as environment_of_run, free_domain
 import pytest
 
+from .machine import surroundings
 from .processes import environment, node, PATIENCE
 
 pytest.importorskip('rclpy')
@@ -130,3 +131,17 @@ def test_a_parameter_that_a_node_does_not_have_is_told():
     assert "did you mean 'stop_time'" in process.err
     assert "'qos_overrides./drive/motorr.subscription.depth' is none" in process.err
     assert "'qos_overrides./drive/motor.subscription.depth' is none" not in process.err
+
+
+def test_who_looks_on_is_no_partner(monkeypatch):
+    """Their readers of a topic are as many as those of the partners, of whom none has come."""
+    domain = str(1 + int(os.environ['ROS_DOMAIN_ID']) % 101)
+    monkeypatch.setenv('ROS_DOMAIN_ID', domain)
+    with ExitStack() as stack:
+        for _ in range(3):
+            stack.enter_context(surroundings(domain=int(domain)))
+        alone = stack.enter_context(node(
+            'controller', '-p', 'lockstep:=true', '-p',
+            'partners:=[plant, load_profile, controller, estimator, recorder]'))
+        line = next(line for line in alone.stderr if 'still waiting' in line)
+    assert 'motor' in line and 'pump_command' in line
