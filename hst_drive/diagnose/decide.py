@@ -69,13 +69,14 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)
-    more = '' if left or better else beside(search, best)
+    more = None if better else beside(search, best)
     doubt = bool(more or better)
     remaining = unknowns.describe(campaign, best.fit, doubt) if left or doubt else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
         remaining = unknowns.describe(campaign, best.fit)
-    remaining = next((entry.unknown for entry in better.values() if entry.unknown), remaining)
+    remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
+                      if entry.unknown), remaining)
     drifting = [entry for entry in drifting if entry.channel in left]
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
@@ -97,7 +98,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
               for entry in drifting),
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'{name} {entry.told}.' for name, entry in better.items()),
-            *([f'{more[0].upper()}{more[1:]}.'] if more else [])]),
+            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},

@@ -10,7 +10,7 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL
 from hst_drive.diagnose.places import Place, WINDOW
-from hst_drive.effects.formula import PRESSURE, REFERENCE, SPEED, TORQUE, WARMTH
+from hst_drive.effects.formula import FLOW, PRESSURE, REFERENCE, SPEED, TORQUE, WARMTH
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -27,7 +27,7 @@ SCALES: dict[str, tuple[float, float, str]] = {
     'motor_inlet_pressure': (PRESSURE, 0.0, 'pressure'), 'motor_speed': (SPEED, 0.0, 'speed'),
     'oil_temperature': (WARMTH, REFERENCE, 'warmth'), 'pump_command': (1.0, 0.0, 'pump'),
     'pprv_command': (1.0, 0.0, 'pprv'), 'load_torque': (TORQUE, 0.0, 'torque'),
-    'motor_inlet_flow': (1e-4, 0.0, ''), 'pump_speed': (100.0, 0.0, ''),
+    'motor_inlet_flow': (FLOW, 0.0, 'flow'), 'pump_speed': (100.0, 0.0, ''),
 }
 STATIC = {**{name: entry[2] for name, entry in SCALES.items() if entry[2]},
           'motor_angle_cos': 'cosine', 'motor_angle_sin': 'sine'}

@@ -11,15 +11,16 @@ where the stranger is clearly better, by more than formulas are off machines, th
 """
 from __future__ import annotations
 
-import copy
-from typing import Callable, Collection, NamedTuple, Sequence
+from typing import Callable, Collection, Iterator, NamedTuple
 
+from hst_drive.diagnose.answers import Answer, answering, DEAD_TIME, ONE_WAY_SLOWER
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
 from hst_drive.effects.formula import FORMULAS, values
@@ -31,20 +32,37 @@ from scipy.optimize import minimize_scalar
 # judged on what it was fitted to as well.
 _SURE = 5.0
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
-_LONGEST = 0.4          # s, dead time
-_RESOLVED = 2e-3        # s
 _PATIENT = 8            # steps of the fit that gives an effect the same chance
-_ROUNDS = 2             # of delay and unit in turn
+_ROUNDS = 2             # of the pump's answer and the unit in turn
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
-# Slot of an effect: what is tried there, its formula and terms.
-_FREER = {slot: ('a leakage that goes with pressure and pump command', 'formula_pump_flow',
-                 (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump')))
-          for slot in ('pump_flow_loss', 'pump_speed')}
 
 
+class Freer(NamedTuple):
+    """
+    A formula that is tried: what it is, its effect, terms, and what it would be told as.
+
+    ``unknown`` is None if what is left without the effect says best what it is.
+    """
+
+    what: str
+    formula: str
+    terms: tuple[tuple[str, ...], ...]
+    unknown: Unknown | None = None
+
+
+# Slot of an effect: what is tried in its place.
+_FREER = {
+    **dict.fromkeys(('pump_flow_loss', 'pump_speed'), Freer(
+        'a leakage that goes with pressure and pump command', 'formula_pump_flow',
+        (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump')))),
+    'pump_command': Freer(
+        'a bent curve of the flow meter', 'formula_flow_reading', (('flow',), ('flow', 'flow')),
+        Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
+                'the flow reading follows a bent curve', (), 0.0)),
+}
 # The same beside all that was found: rough rock hides what comes back with each turn.
-_BESIDE = ('a load that goes with the angle of the shaft', 'formula_load',
-           (('torque', 'cosine'), ('torque', 'sine')))
+_BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
+                (('torque', 'cosine'), ('torque', 'sine')))
 
 
 class Stranger(NamedTuple):
@@ -60,11 +78,16 @@ class Stranger(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """A stranger in the place of an effect: what it is, its fit, and what it would be told as."""
+    """
+    A stranger in the place of an effect: what it is, its fit, and what it would be told as.
+
+    ``formula`` is the effect that carries it, if one does.
+    """
 
     what: str
     fit: Fit
     unknown: Unknown | None
+    formula: str = ''
 
 
 def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
@@ -78,15 +101,24 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
     if isinstance(search.campaign, PartCampaign):
         return found
     for name in best.names:
-        for trial in (_formula(search, best, name), _dead_time(search, best, name)):
-            if trial is None or not _beaten(search, best, trial.fit):
+        for trial in (*_formula(search, best, name), *_actuator(search, best, name)):
+            if not _beaten(search, best, trial.fit):
                 continue
             # The fit may have ended in another valley: the effect gets the same chance.
             beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
             if beaten:
                 found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
-                                       f'{_share(beaten)}', trial.unknown)
+                                       f'{_share(beaten)}', _told_as(search, best, name, trial))
     return found
+
+
+def _told_as(search: Search, best: Candidate, name: str, trial: Trial) -> Unknown | None:
+    """Return what a trial would be told as, with the formula to adopt."""
+    if trial.unknown is None or not trial.formula:
+        return trial.unknown
+    bare = without(search, best, [name]).fit
+    return trial.unknown._replace(formula=worth(search.campaign, bare, Carried(
+        trial.formula, trial.fit, score(search.campaign, trial.fit))))
 
 
 def _again(search: Search, best: Candidate, name: str, stranger: Fit) -> Candidate:
@@ -98,18 +130,34 @@ def _again(search: Search, best: Candidate, name: str, stranger: Fit) -> Candida
     return min(best, again, key=lambda item: item.score)
 
 
-def beside(search: Search, best: Candidate) -> str:
+def beside(search: Search, best: Candidate) -> Stranger | None:
     """
-    Say what fits better beside a set, though nothing seems to be left; empty if nothing does.
+    Return what fits better beside a set and is not listed; None if nothing does.
 
-    A rough load scatters so much that its noise ratio hides what a formula shows clearly.
+    Where nothing seems to be left, a rough load, or the unit's own lag, may still hide it from
+    the noise ratio.
     """
+    if isinstance(search.campaign, PartCampaign):
+        return None
+    left = search.unexplained(best)
+    for trial in _beside(search, best, bool(left)):
+        beaten = _beaten(search, best, trial.fit)
+        # Who says better what is left than its place and a formula do explains all of it.
+        if beaten and not (trial.unknown and left
+                           and search.unexplained(best._replace(fit=trial.fit))):
+            return Stranger(f'{trial.what} leaves {_share(beaten)}', trial.unknown)
+    return None
+
+
+def _beside(search: Search, best: Candidate, left: bool) -> Iterator[Trial]:
+    # A dead time of a few milliseconds may be the logger's.
+    for answer in (ONE_WAY_SLOWER, *([DEAD_TIME] if left else [])):
+        yield _answered(search, best.fit, answer)
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = None if isinstance(search.campaign, PartCampaign) else _fitted(
-        search.campaign, best.fit.model, *_BESIDE, known=search.factors)
-    beaten = _beaten(search, best, trial.fit) if trial else None
-    return f'{trial.what} leaves {_share(beaten)}' if beaten else ''
+    trial = _fitted(search.campaign, best.fit.model, _BESIDE, known=search.factors)
+    if trial:
+        yield trial
 
 
 def _share(beaten: tuple[str, float]) -> str:
@@ -143,49 +191,50 @@ def _beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] |
     return max(shares.items(), key=lambda item: item[1], default=None)
 
 
-def _formula(search: Search, best: Candidate, name: str) -> Trial | None:
-    """Fit a formula in the place of an effect; None if there is none for its place."""
+def _formula(search: Search, best: Candidate, name: str) -> list[Trial]:
+    """Fit a formula in the place of an effect, if there is one for its place."""
     freer = _FREER.get(catalogue()[name].slot)
-    return _fitted(search.campaign, best.fit.model.without(name), *freer) if freer else None
+    if freer is None or (freer.unknown and freer.unknown.signal not in search.campaign.signals):
+        return []
+    trial = _fitted(search.campaign, best.fit.model.without(name), freer)
+    return [trial] if trial else []
 
 
-def _fitted(campaign: Campaign, model: Model, what: str, formula: str,
-            terms: Sequence[Sequence[str]], known: np.ndarray | None = None) -> Trial | None:
+def _fitted(campaign: Campaign, model: Model, freer: Freer, known: np.ndarray | None = None
+            ) -> Trial | None:
+    formula = freer.formula
     if formula in campaign.rig.effects:
         return None
     faint = _FAINT * FORMULAS[formula].parameters[0].typical
-    start = model.with_effect(formula, values(formula, [(faint, term) for term in terms]))
-    return Trial(what, fit(campaign, start, known=known), None)
+    start = model.with_effect(formula, values(formula, [(faint, term) for term in freer.terms]))
+    return Trial(freer.what, fit(campaign, start, known=known), freer.unknown, formula)
 
 
-def _dead_time(search: Search, best: Candidate, name: str) -> Trial | None:
-    """Fit a pure delay of the pump command in the place of an effect of the pump's actuator."""
-    campaign = search.campaign
+def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
+    """Fit what a pump may do with its command in the place of an effect of its actuator."""
     if SLOTS[catalogue()[name].slot].enters != 'pump actuator':
-        return None
-    fitted, delay = best.fit._replace(model=best.fit.model.without(name)), 0.0
+        return []
+    model = best.fit.model.without(name)
+    return [_answered(search, best.fit._replace(model=model), answer)
+            for answer in (DEAD_TIME, ONE_WAY_SLOWER)]
+
+
+def _answered(search: Search, fitted: Fit, answer: Answer) -> Trial:
+    """Fit a way of the pump to answer its command, and the unit, in turn."""
+    campaign, number = search.campaign, 0.0
     for _ in range(_ROUNDS):
-        delay = minimize_scalar(_cost_of_delay(campaign, fitted.model), bounds=(0.0, _LONGEST),
-                                method='bounded', options={'xatol': _RESOLVED}).x
-        fitted = fit(_later(campaign, delay), fitted.model, known=search.factors)
-    return Trial(f'a dead time of {1e3 * delay:.0f} ms', fitted, Unknown(
+        number = minimize_scalar(_cost_of(campaign, fitted.model, answer), bounds=answer.bounds,
+                                 method='bounded', options={'xatol': answer.resolved}).x
+        fitted = fit(answering(campaign, answer, number), fitted.model, known=search.factors)
+    what = answer.told(number)
+    return Trial(what, fitted, Unknown(
         'pump_actuator', campaign.signals[0], ('pump_command',),
-        f'the pump follows its command {delay:.3f} s later, by a dead time', (), 0.0))
+        f'the pump follows its command with {what}', (), 0.0))
 
 
-def _cost_of_delay(campaign: Campaign, model: Model) -> Callable[[float], float]:
-    def cost(delay: float) -> float:
-        later = _later(campaign, delay)
-        return float(np.sum(later.training(later.errors(model, to_fit=True))**2))
+def _cost_of(campaign: Campaign, model: Model, answer: Answer) -> Callable[[float], float]:
+    def cost(number: float) -> float:
+        changed = answering(campaign, answer, number)
+        return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
 
     return cost
-
-
-def _later(campaign: Campaign, delay: float) -> Campaign:
-    """Return the campaign with a pump that follows each command after a dead time (s)."""
-    changed = copy.copy(campaign)
-    changed.replays = [copy.copy(replay) for replay in campaign.replays]
-    for replay in changed.replays:
-        time, command = replay.run.time, replay.inputs['pump_command']
-        replay.inputs = {**replay.inputs, 'pump_command': np.interp(time - delay, time, command)}
-    return changed

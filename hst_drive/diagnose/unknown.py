@@ -78,7 +78,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     if place.formula == 'formula_pump_flow' and _by_command(data, depends, terms):
         enters = 'pump_actuator'
     return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
-                   explained, _worth(campaign, model, carried))
+                   explained, worth(campaign, model, carried) if carried else None)
 
 
 def _noise(campaign: Campaign) -> float:
@@ -124,10 +124,8 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
     return Carried(name, fitted, score(campaign, fitted))
 
 
-def _worth(campaign: Campaign, model: Fit, carried: Carried | None) -> Formula | None:
+def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
     """Return the formula to adopt; None if it does not lower the held-out error enough."""
-    if carried is None:
-        return None
     found = gain(campaign.blocks(model.errors), campaign.blocks(carried.fit.errors))
     total = sum(found.amount.values()), sum(
         float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values())

@@ -15,14 +15,16 @@ SPEED = 10.0            # rad/s
 WARMTH = 10.0           # K
 REFERENCE = 323.15      # K
 TORQUE = 100.0          # N.m
+FLOW = 1e-4             # m^3/s
 TERMS = 3
 # Variable of a formula -> what it reads.
 READS = {'pressure': 'pressure', 'speed': 'motor_speed', 'warmth': 'oil_temperature',
          'pump': 'pump_command', 'pprv': 'pprv_command', 'torque': 'load_torque',
-         'cosine': 'motor_angle', 'sine': 'motor_angle'}
+         'flow': 'flow', 'cosine': 'motor_angle', 'sine': 'motor_angle'}
 TEXTS = {'pressure': '(pressure / 100 bar)', 'speed': '(motor_speed / 10 rad/s)',
          'warmth': '((oil_temperature - 50 degC) / 10 K)', 'pump': '(pump_command / 1 V)',
          'pprv': '(pprv_command / 1 V)', 'torque': '(load_torque / 100 N.m)',
+         'flow': '(flow / 6 L/min)',
          'cosine': 'cos(motor_angle)', 'sine': 'sin(motor_angle)'}
 
 
@@ -80,11 +82,25 @@ def load(load_torque, motor_speed, oil_temperature, pprv_command, motor_angle,
             * pprv_command**pprv_3 * cosine**cosine_3 * sine**sine_3)
 
 
+def flow_error(flow, pressure, oil_temperature,
+               coefficient_1, flow_1, pressure_1, warmth_1,
+               coefficient_2, flow_2, pressure_2, warmth_2,
+               coefficient_3, flow_3, pressure_3, warmth_3):
+    """Return the sum of three coefficients times powers of what a flow meter may depend on."""
+    flow = flow / FLOW
+    pressure = pressure / PRESSURE
+    warmth = (oil_temperature - REFERENCE) / WARMTH
+    return (coefficient_1 * flow**flow_1 * pressure**pressure_1 * warmth**warmth_1
+            + coefficient_2 * flow**flow_2 * pressure**pressure_2 * warmth**warmth_2
+            + coefficient_3 * flow**flow_3 * pressure**pressure_3 * warmth**warmth_3)
+
+
 _BALANCE = ('pressure', 'speed', 'warmth', 'pump', 'pprv', 'cosine', 'sine')
 _LOAD = ('torque', 'speed', 'warmth', 'pprv', 'cosine', 'sine')
 # Effect -> variables of its formula.
 VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_flow': _BALANCE,
-             'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE}
+             'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE,
+             'formula_flow_reading': ('flow', 'pressure', 'warmth')}
 
 
 def _declare(name: str, title: str, slot: str, function, unit: str, typical: float) -> Effect:
@@ -113,6 +129,8 @@ FORMULAS: dict[str, Effect] = {effect.id: effect for effect in (
              'pump_flow_loss', loss, 'm^3/s', 1e-6),
     _declare('formula_pressure_reading', 'a formula for what is wrong with the pressure reading',
              'pressure_reading', product, 'Pa', 1e5),
+    _declare('formula_flow_reading', 'a formula for what is wrong with the flow reading',
+             'flow_reading', flow_error, 'm^3/s', 1e-6),
 )}
 
 

@@ -68,9 +68,9 @@ def test_formula_is_what_it_says(name):
     effect = formula.FORMULAS[name]
     assert name not in catalogue() and name in catalogue(everything=True)
     reads = {'pressure': 8e6, 'motor_speed': 12.0, 'oil_temperature': 318.15, 'pump_command': 5.0,
-             'pprv_command': 3.0, 'motor_angle': 1.0, 'load_torque': 150.0}
+             'pprv_command': 3.0, 'motor_angle': 1.0, 'load_torque': 150.0, 'flow': 2e-4}
     scaled = {'pressure': 0.8, 'speed': 1.2, 'warmth': -0.5, 'pump': 5.0, 'pprv': 3.0,
-              'cosine': np.cos(1.0), 'sine': np.sin(1.0), 'torque': 1.5}
+              'cosine': np.cos(1.0), 'sine': np.sin(1.0), 'torque': 1.5, 'flow': 2.0}
     variables = formula.VARIABLES[name]
     terms = [(2.0, [variables[0], variables[0]]), (-3.0, [variables[1], variables[2]]), (0.5, [])]
 

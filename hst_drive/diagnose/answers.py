@@ -1,0 +1,65 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Ways of the pump to answer its command that no effect lists, each with one number.
+
+They are tried by giving the model another command: that on which its pump does what this one does
+on the recorded command.
+"""
+from __future__ import annotations
+
+import copy
+from typing import Callable, NamedTuple
+
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.rig.rig import Pump
+import numpy as np
+
+
+class Answer(NamedTuple):
+    """
+    A way to answer: ``change(pump, time, command, number)`` returns the other command, V.
+
+    ``told(number)`` says what it is, for numbers between ``bounds``.
+    """
+
+    change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray]
+    told: Callable[[float], str]
+    bounds: tuple[float, float]
+    resolved: float
+
+
+def answering(campaign: Campaign, answer: Answer, number: float) -> Campaign:
+    """Return the campaign with a pump that answers in this way."""
+    changed = copy.copy(campaign)
+    changed.replays = [copy.copy(replay) for replay in campaign.replays]
+    for replay in changed.replays:
+        command = answer.change(campaign.rig.pump, replay.run.time,
+                                replay.inputs['pump_command'], number)
+        replay.inputs = {**replay.inputs, 'pump_command': command}
+    return changed
+
+
+def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> np.ndarray:
+    return np.interp(time - delay, time, command)
+
+
+def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
+                    slower: float) -> np.ndarray:
+    """Return the command for a plate whose lag is longer on the way down, or if < 0 up."""
+    steps = np.diff(time)
+    shares = [-np.expm1(-steps / (pump.displacement_lag * factor)) for factor in (
+        1.0 + max(-slower, 0.0), 1.0 + max(slower, 0.0), 1.0)]
+    aims = pump.displacement(command).tolist()
+    found, reached = [], aims[0]
+    for aim, up, down, usual in zip(aims, *(share.tolist() for share in shares)):
+        moved = (aim - reached) * (up if aim > reached else down)
+        found.append(reached + moved / usual)
+        reached += moved
+    return np.interp(found + aims[-1:], pump.displacement.y, pump.displacement.x)
+
+
+DEAD_TIME = Answer(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms', (0.0, 0.4), 2e-3)
+ONE_WAY_SLOWER = Answer(_one_way_slower, lambda slower: (
+    f"a lag that is {1 + abs(slower):.1f} times as long on the plate's way "
+    + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
