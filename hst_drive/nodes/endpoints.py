@@ -49,8 +49,10 @@ def partners_of(node, end) -> int:
     """
     Return how many of a node's partners are at the other end of its publisher or subscription.
 
-    Whoever else is there only looks on; the middleware's own count does not say who is matched.
+    Who does not speak on ``sync`` only looks on; the middleware's count does not say whom it has.
     """
+    partners = {(entry.node_namespace, entry.node_name) for entry in
+                node.get_publishers_info_by_topic(node.sync.publisher.topic_name)}
     if publishes := isinstance(end, Publisher):
         others = node.get_subscriptions_info_by_topic(end.topic_name)
         matched = end.get_subscription_count()
@@ -59,10 +61,9 @@ def partners_of(node, end) -> int:
         matched = end.get_publisher_count()
     for other in others:
         offered, wanted = (end, other) if publishes else (other, end)
-        partner = (other.node_namespace == node.get_namespace()
-                   and other.node_name in node.partners)
         fits = qos_check_compatible(offered.qos_profile, wanted.qos_profile)[0]
-        matched -= not partner and fits != QoSCompatibility.ERROR
+        matched -= ((other.node_namespace, other.node_name) not in partners
+                    and fits != QoSCompatibility.ERROR)
     return matched
 
 

@@ -15,6 +15,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 _GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INACTIVE),
           'activate': (Transition.TRANSITION_ACTIVATE, State.PRIMARY_STATE_ACTIVE),
@@ -105,6 +106,9 @@ def main(args: list[str] | None = None) -> int:
         signal.signal(number, lambda received, _: signals.append(received))
     node, code = None, 0
     try:
+        if own := remove_ros_args(sys.argv if args is None else args)[1:]:
+            raise InputError(f"manager: unknown argument '{own[0]}'; give parameters as "
+                             '--ros-args -p NAME:=VALUE')
         node = Manager()
         node.bring_up()
         print('all nodes are active', flush=True)

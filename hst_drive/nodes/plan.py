@@ -107,6 +107,9 @@ def make_plan(options: Options) -> Plan:
             ('--effects-from', options.effects_from, 0.0, 1e7), ('--seed', seed, 0, 2**31 - 1)):
         if not low <= value <= high:
             raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
+    if options.priority and not options.realtime:
+        raise InputError(f'--priority {options.priority}: is for --realtime; simulated time waits '
+                         'for whoever is late: leave it out, or add --realtime')
     output = Path(options.output
                   or f'{Path(options.scenario).stem}_{datetime.now():%Y%m%d_%H%M%S}')
     if output.exists():

@@ -130,6 +130,14 @@ def test_the_manager_names_the_node_that_is_not_there():
     assert 'Traceback' not in done.stderr
 
 
+def test_the_manager_refuses_what_it_does_not_know():
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.manager', '--nodes', 'plant'], env=environment(),
+        timeout=PATIENCE, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.startswith("manager: unknown argument '--nodes'")
+
+
 @pytest.mark.parametrize('lockstep', ['true', 'false'])
 def test_two_drives_in_one_domain_do_not_hear_each_other(tmp_path, lockstep):
     """Lockstep needs the global topics /clock and /diagnostics apart as well."""
@@ -140,7 +148,8 @@ def test_two_drives_in_one_domain_do_not_hear_each_other(tmp_path, lockstep):
             apart = ('-r', f'__ns:=/{rig}', '-r', f'/clock:=/{rig}/clock',
                      '-r', f'/diagnostics:=/{rig}/diagnostics',
                      '-p', f"partners:=[{','.join(names)}]", '-p', f'lockstep:={lockstep}')
-            own = {'recorder': ('-p', f'output:={tmp_path / rig}'),
+            # Another name of a node, too: what counts is its part.
+            own = {'recorder': ('-p', f'output:={tmp_path / rig}', '-r', '__node:=logger'),
                    'plant': ('-p', 'duration:=3.0', '-p', f'seed:={seed}')}
             started = [stack.enter_context(node(name, *apart, *own.get(name, ())))
                        for name in names]

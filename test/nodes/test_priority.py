@@ -49,7 +49,7 @@ def test_who_may_not_is_told_what_to_do():
 
 def test_the_plant_goes_before_the_controller_and_that_before_the_rest(tmp_path):
     def levels(**more):
-        plan = make_plan(Options('paper_step', str(tmp_path / 'bag'), **more))
+        plan = make_plan(Options('paper_step', str(tmp_path / 'bag'), realtime=True, **more))
         return {name: entry.get('priority', 0) for name, entry in plan.parameters.items()}
 
     assert levels(priority=20) == {'plant': 20, 'controller': 19, 'load_profile': 18,
@@ -58,3 +58,8 @@ def test_the_plant_goes_before_the_controller_and_that_before_the_rest(tmp_path)
     for wrong in (-1, 2, 100):
         with pytest.raises(InputError, match=f'--priority {wrong}: expected 3 to 99'):
             levels(priority=wrong)
+
+
+def test_simulated_time_needs_no_priority(tmp_path):
+    with pytest.raises(InputError, match='add --realtime'):
+        make_plan(Options('paper_step', str(tmp_path / 'bag'), priority=20))
