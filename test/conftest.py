@@ -29,9 +29,10 @@ NEEDS = {
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
-    'bench/test_soak.py': ('mcap',),
+    'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
-    **dict.fromkeys(('diagnose/test_strangers.py', 'diagnose/test_return_line.py'), ('numba',)),
+    **dict.fromkeys(('diagnose/test_pairs.py', 'diagnose/test_strangers.py',
+                     'diagnose/test_return_line.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}

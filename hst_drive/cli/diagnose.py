@@ -85,7 +85,8 @@ def text(result: Diagnosis, short: bool = False) -> str:
         lines += ['', f'the unknown enters at: {unknown.enters.replace("_", " ")}, seen in '
                   f'{unknown.signal}', f'depends on: {", ".join(unknown.depends_on) or "-"}',
                   f'formula: {unknown.expression}',
-                  f'it explains {100 * unknown.explained:.0f} % of what is left there',
+                  *([f'it explains {100 * unknown.explained:.0f} % of what is left there']
+                    if unknown.terms else []),
                   _worth(unknown)]
     if short:
         return '\n'.join(lines)

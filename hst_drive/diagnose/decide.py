@@ -13,6 +13,7 @@ from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.observable import visibility
+from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
@@ -65,7 +66,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = search.run()
+    best = pair_instead(search, search.run())
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)

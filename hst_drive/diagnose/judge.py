@@ -16,12 +16,14 @@ from hst_drive.diagnose.fit import Fit
 import numpy as np
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
-IN_SAMPLE = 0.3         # the same on data that was fitted, where held-out data cannot show it
+_IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
+_IN_EVENTS = 0.5        # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
 CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
+_CLEAR = 0.5            # squared floors, by which a block's error clearly changes
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
 
 
@@ -30,17 +32,19 @@ class Gain(NamedTuple):
     What a model gains over another, by signal.
 
     ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
-    errors over blocks; ``amount`` the fall itself, in squared floors.
+    errors over blocks; ``amount`` the fall itself, in squared floors; ``votes`` by how many
+    standard errors more of the blocks that clearly change get better than get worse.
     """
 
     share: dict[str, float]
     sigma: dict[str, float]
     amount: dict[str, float]
+    votes: dict[str, float]
 
 
 def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> Gain:
     """Compare two models block by block (``Campaign.blocks``)."""
-    share, sigma, amount = {}, {}, {}
+    share, sigma, amount, votes = {}, {}, {}, {}
     for name, first in before.items():
         valid = np.isfinite(first) & np.isfinite(after[name])
         if valid.sum() < 3:
@@ -54,7 +58,9 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
         amount[name] = float(difference.mean())
         share[name] = float(difference.mean() / max(first[valid].mean(), 1e-30))
         sigma[name] = float(clipped.mean() / error)
-    return Gain(share, sigma, amount)
+        clear = difference[np.abs(difference) > _CLEAR]
+        votes[name] = float(np.sign(clear).sum() / max(len(clear), 1)**0.5)
+    return Gain(share, sigma, amount, votes)
 
 
 def contribution(campaign: Campaign, base: Fit, model: Fit,
@@ -94,6 +100,17 @@ def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL)
     return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= least
                and found.amount[name] >= (FORM_SHARE * done.get(name, 0.0))**2
                for name in found.share)
+
+
+def worthwhile_in_part(found: Gain, done: Mapping[str, float]) -> bool:
+    """
+    Say whether a gain on fitted logs is worth a name where held-out ones cannot show it.
+
+    A few great steps may be all that shows an effect: then blocks are counted, not measured.
+    """
+    return worthwhile(found, done, _IN_SAMPLE) or (
+        unharmed(found)
+        and worthwhile(found._replace(sigma=found.votes), done, _IN_EVENTS))
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],

@@ -15,8 +15,8 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
-    contribution, FORM_SHARE, Gain, gain, IN_SAMPLE, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
-    worthwhile)
+    contribution, FORM_SHARE, Gain, gain, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
+    worthwhile, worthwhile_in_part)
 from hst_drive.effects import catalogue
 import numpy as np
 
@@ -153,8 +153,8 @@ class Search:
             before, held_out, self.gain(before, after, False))
 
     def _on_fitted(self, before: Candidate, held_out: Gain, fitted: Gain) -> bool:
-        return unharmed(held_out) and worthwhile(
-            fitted, contribution(self.campaign, self.base, before.fit, False), IN_SAMPLE)
+        return unharmed(held_out) and worthwhile_in_part(
+            fitted, contribution(self.campaign, self.base, before.fit, False))
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -278,9 +278,10 @@ class Search:
     def prune(self, best: Candidate) -> Candidate:
         """Take effects out again that are not needed beside the others."""
         while len(best.names) > 1:
+            # Anew, since what goes may only have shown the way to a deeper valley.
             fewer = self.try_all(
                 [(tuple(name for name in best.names if name != out), best.fit.model.without(out))
-                 for out in best.names], 'taking effects out')
+                 for out in best.names], 'taking effects out', again=True)
             fewer.sort(key=lambda item: item.score)
             without = self.refine(fewer[0])
             if self.worthwhile(without, best):

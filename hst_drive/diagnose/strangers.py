@@ -23,7 +23,7 @@ from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
-from hst_drive.effects.formula import FORMULAS, values
+from hst_drive.effects.formula import FORMULAS, TEXTS, values
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -58,7 +58,7 @@ _FREER = {
     'pump_command': Freer(
         'a bent curve of the flow meter', 'formula_flow_reading', (('flow',), ('flow', 'flow')),
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
-                'the flow reading follows a bent curve', (), 0.0)),
+                'flow reading [m^3/s]', (), 0.0)),
 }
 # The same beside all that was found: rough rock hides what comes back with each turn.
 _BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
@@ -117,8 +117,14 @@ def _told_as(search: Search, best: Candidate, name: str, trial: Trial) -> Unknow
     if trial.unknown is None or not trial.formula:
         return trial.unknown
     bare = without(search, best, [name]).fit
-    return trial.unknown._replace(formula=worth(search.campaign, bare, Carried(
-        trial.formula, trial.fit, score(search.campaign, trial.fit))))
+    own, terms = trial.fit.model.effects[trial.formula], _FREER[catalogue()[name].slot].terms
+    summed = ' + '.join(f"{own[f'coefficient_{place}']:.3g} * "
+                        f"{' * '.join(TEXTS[variable] for variable in term)}"
+                        for place, term in enumerate(terms, 1))
+    return trial.unknown._replace(
+        expression=f'{trial.unknown.expression} += {summed}',
+        formula=worth(search.campaign, bare, Carried(
+            trial.formula, trial.fit, score(search.campaign, trial.fit))))
 
 
 def _again(search: Search, best: Candidate, name: str, stranger: Fit) -> Candidate:

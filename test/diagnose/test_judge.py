@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How models are judged block by block, on made-up blocks whose answer is known."""
-from hst_drive.diagnose.judge import gain, unharmed, worthwhile
+from hst_drive.diagnose.judge import gain, unharmed, worthwhile, worthwhile_in_part
 from hst_drive.diagnose.separation import expected_sigma
 import numpy as np
 import pytest
@@ -38,6 +38,22 @@ def test_one_wild_block_does_not_decide():
     found = gain(before, after)
     assert found.share['motor_speed'] > 0.9     # by the mean alone it would be named
     assert not worthwhile(found, {})
+
+
+@pytest.mark.parametrize('better, worse, expected', [
+    (12, 0, True),      # in half a minute of three all is better where anything happens
+    (3, 0, False),      # three blocks may be chance
+    (12, 5, False),     # so may twelve beside five that get as much worse
+])
+def test_events_are_counted(better, worse, expected):
+    before, after, _ = blocks(90, 0.0, scatter=0.05)
+    before['motor_speed'][:better] += 50.0
+    after['motor_speed'][better:better + worse] += 50.0
+    found = gain(before, after)
+    assert found.sigma['motor_speed'] < 3.0
+    assert found.votes['motor_speed'] == pytest.approx(
+        (better - worse) / (better + worse)**0.5)
+    assert worthwhile_in_part(found, {}) is expected
 
 
 def test_missing_blocks_are_left_out_and_two_are_too_few():

@@ -1,0 +1,27 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A friction that falls with speed and a drag that rises, in the place of a constant one."""
+from bench.campaigns import as_runs
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.pairs import pair_instead
+from hst_drive.diagnose.search import Search
+import pytest
+
+from ..truth import make_campaign
+
+CANDIDATES = ('back_pressure', 'bearing_friction', 'stribeck_friction', 'viscous_drag')
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('hidden, found', [
+    ({'stribeck_friction': {'size': 1.29, 'form': 'exponential'},
+      'viscous_drag': {'size': 1.17, 'form': 'power'}}, ('stribeck_friction', 'viscous_drag')),
+    ({'back_pressure': {'size': 1.3, 'form': 'flow_dependent'}}, ('back_pressure',)),
+    ({'bearing_friction': {'size': 1.5, 'form': 'load_dependent'}}, ('bearing_friction',)),
+])
+def test_two_stand_for_one_only_where_they_are_there(hidden, found):
+    """What one effect of another form leaves is not enough for two."""
+    made = make_campaign(3702040, hidden, rate_hz=50.0, rig_seed=3702040)
+    search = Search(Campaign(*as_runs(made)), CANDIDATES)
+    alone = search.refine(search.singles()[0])
+    assert pair_instead(search, alone).names == found
