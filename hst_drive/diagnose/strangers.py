@@ -101,14 +101,17 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
     if isinstance(search.campaign, PartCampaign):
         return found
     for name in best.names:
-        for trial in (*_formula(search, best, name), *_actuator(search, best, name)):
-            if not _beaten(search, best, trial.fit):
-                continue
-            # The fit may have ended in another valley: the effect gets the same chance.
-            beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
-            if beaten:
-                found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
-                                       f'{_share(beaten)}', _told_as(search, best, name, trial))
+        trials = [trial for trial in (*_formula(search, best, name),
+                                      *_actuator(search, best, name))
+                  if _beaten(search, best, trial.fit)]
+        if not trials:
+            continue
+        trial = min(trials, key=lambda item: score(search.campaign, item.fit))
+        # The fit may have ended in another valley: the effect gets the same chance.
+        beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
+        if beaten:
+            found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
+                                   f'{_share(beaten)}', _told_as(search, best, name, trial))
     return found
 
 
