@@ -260,3 +260,12 @@ def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     solution = lsq_linear(factor.T, target, (unknowns.low - vector - 1e-12,
                                              unknowns.high - vector + 1e-12))
     return np.clip(vector + solution.x, unknowns.low, unknowns.high)
+
+
+def at_its_end(model: Model, name: str) -> bool:
+    """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
+    shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
+              if not entry.fixed and entry.neutral not in (entry.low, entry.high)]
+    return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
+               for entry in shapes
+               for value in [model.effects[name].get(entry.name, entry.neutral)])

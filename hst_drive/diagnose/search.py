@@ -13,10 +13,11 @@ import os
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import calibrated, Fit, fit, score
+from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
     worthwhile, worthwhile_in_part)
+from hst_drive.diagnose.orders import strongest_orders
 from hst_drive.effects import catalogue
 import numpy as np
 
@@ -105,7 +106,7 @@ class Search:
         Return models to fit from, those that promise most.
 
         Typical size and a third of it, of either sign, what the effect is alone, and where its
-        declaration says.
+        declaration says, or the order of the swings that are left.
         """
         new = [name for name in names if name not in start.effects]
         if not new:
@@ -119,6 +120,10 @@ class Search:
             if share < 0 and catalogue()[name].parameters[0].low >= 0:
                 continue
             trials.append(start.with_effect(name, scaled))
+        if order := catalogue()[name].order:
+            found = strongest_orders(self.campaign, self.campaign.errors(start, to_fit=True))
+            return [start.with_effect(name, {**values, order: float(entry)})
+                    for entry in found] or trials[:1]
         alone = self._known.get((name,))
         further = catalogue(everything=True)[name].starts if alone is None else ()
         trials += [start.with_effect(name, {**values, **entry}) for entry in further]
@@ -288,12 +293,3 @@ class Search:
                 return best
             best = without
         return best
-
-
-def at_its_end(model: Model, name: str) -> bool:
-    """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
-    shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
-              if not entry.fixed and entry.neutral not in (entry.low, entry.high)]
-    return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
-               for entry in shapes
-               for value in [model.effects[name].get(entry.name, entry.neutral)])

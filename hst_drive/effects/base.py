@@ -159,6 +159,9 @@ class Effect:
     starts : tuple of dict of str to float
         Parameters from which a fit may start besides the typical ones: where the error has
         several valleys, one of them must lie in each.
+    order : str
+        Parameter that counts swings per turn of the hydromotor; a diagnosis reads it off the
+        recordings.
     gauge : str
         What would measure it by itself, for advice where no channel of a drive does.
     searched : str
@@ -184,6 +187,7 @@ class Effect:
     alike: tuple[str, ...] = ()
     formula_error: float = 0.18
     starts: tuple[dict[str, float], ...] = ()
+    order: str = ''
     gauge: str = ''
     searched: str = 'always'
 

@@ -10,9 +10,9 @@ import math
 from hst_drive.effects.base import Effect, Parameter
 
 
-def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine):
+def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine, count):
     """Return the swing about the mean torque, N.m."""
-    angle = pistons * motor_angle
+    angle = (count if count > 0.0 else pistons) * motor_angle
     swing = cosine * math.cos(angle) + sine * math.sin(angle)
     return swing * max(pressure, 0.0) * motor_displacement
 
@@ -28,7 +28,11 @@ EFFECT = Effect(
                   'amplitude over the ideal torque, in phase with the angle at the start'),
         Parameter('sine', '1', -0.3, 0.3, 0.0,
                   'amplitude over the ideal torque, a quarter period later'),
+        Parameter('count', '1', 0.0, 60.0, 0.0,
+                  "swings per turn; 0: the pistons of the rig's file, 7 if it has none",
+                  fixed=True),
     ),
+    order='count',
     telltale='Pressure and speed carry a tone whose frequency is the number of pistons times the '
              'rotation.',
     source='N. D. Manring, Hydraulic Control Systems, Wiley 2005, and J. Ivantysyn and M. '
