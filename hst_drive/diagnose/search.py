@@ -129,7 +129,8 @@ class Search:
         trials += [start.with_effect(name, {**values, **entry}) for entry in further]
         if alone is not None:
             trials.append(start.with_effect(name, alone.fit.model.effects[name]))
-        return sorted(trials, key=self._promise)[:2 if further else 1]
+        promises = {self._promise(model): model for model in trials}     # alike ones once
+        return [promises[key] for key in sorted(promises)][:2 if further else 1]
 
     def _promise(self, model: Model) -> float:
         errors = self.campaign.errors(model, to_fit=True)

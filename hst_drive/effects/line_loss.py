@@ -8,9 +8,10 @@ Straight hose in laminar flow, and bends, couplings and turbulent flow.
 from hst_drive.effects.base import Effect, Parameter
 
 
-def drop(flow, laminar, turbulent):
+def drop(flow, viscosity_ratio, laminar, turbulent, viscosity_share):
     """Return the pressure lost between the pump outlet sensor and the hydromotor, Pa."""
-    return (laminar + turbulent * abs(flow)) * flow
+    thicker = 1.0 + viscosity_share * (viscosity_ratio - 1.0)
+    return (laminar * thicker + turbulent * abs(flow)) * flow
 
 
 EFFECT = Effect(
@@ -18,16 +19,20 @@ EFFECT = Effect(
     title='pressure drop between the pump outlet sensor and the motor inlet',
     slot='line_drop',
     function=drop,
-    equation='dP = laminar*Q + turbulent*Q*|Q|',
+    equation='dP = laminar*(1 + viscosity_share*(nu/nu_0 - 1))*Q + turbulent*Q*|Q|',
     parameters=(
         Parameter('laminar', 'Pa.s/m^3', 0.0, 2e10, 3.6e8,
                   'resistance of the straight hose (Hagen-Poiseuille)'),
         Parameter('turbulent', 'Pa.s^2/m^6', 0.0, 2e14, 2.9e12,
                   'resistance of bends and couplings'),
+        Parameter('viscosity_share', '1', 0.0, 1.0, 0.0,
+                  'how far the first follows the viscosity of the oil: 1 where the hose is as '
+                  'warm as the oil', fixed=True),
     ),
     telltale='Pump pressure is too high by an amount that grows with flow, whatever the load; a '
              'second pressure sensor at the hydromotor reads less.',
     source='H. E. Merritt, Hydraulic Control Systems, Wiley 1967, ch. 3: laminar and turbulent '
            'flow in pipes, minor losses.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure'),
+    starts=({'viscosity_share': 1.0},),
 )

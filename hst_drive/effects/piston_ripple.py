@@ -3,17 +3,21 @@
 """
 Torque that swings as piston after piston takes over.
 
-Two amplitudes instead of amplitude and phase: so the torque is linear in both.
+Two amplitudes instead of amplitude and phase: so the torque is linear in both. An odd number of
+pistons swings twice as often as its pistons come, too.
 """
 import math
 
 from hst_drive.effects.base import Effect, Parameter
 
 
-def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine, count):
+def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine, cosine_2, sine_2,
+           count):
     """Return the swing about the mean torque, N.m."""
     angle = (count if count > 0.0 else pistons) * motor_angle
-    swing = cosine * math.cos(angle) + sine * math.sin(angle)
+    one, other = math.cos(angle), math.sin(angle)
+    swing = (cosine * one + sine * other + cosine_2 * (2.0 * one * one - 1.0)
+             + sine_2 * 2.0 * one * other)
     return swing * max(pressure, 0.0) * motor_displacement
 
 
@@ -22,12 +26,15 @@ EFFECT = Effect(
     title='torque ripple at the piston frequency',
     slot='motor_torque',
     function=torque,
-    equation='T = (cosine*cos(z*angle) + sine*sin(z*angle)) * P*D_m, z pistons',
+    equation='T = (cosine*cos(a) + sine*sin(a) + cosine_2*cos(2*a) + sine_2*sin(2*a)) * P*D_m, '
+             'a = count*angle',
     parameters=(
         Parameter('cosine', '1', -0.3, 0.3, 0.02,
                   'amplitude over the ideal torque, in phase with the angle at the start'),
         Parameter('sine', '1', -0.3, 0.3, 0.0,
                   'amplitude over the ideal torque, a quarter period later'),
+        Parameter('cosine_2', '1', -0.3, 0.3, 0.0, 'the same at twice that frequency'),
+        Parameter('sine_2', '1', -0.3, 0.3, 0.0, 'and a quarter period later'),
         Parameter('count', '1', 0.0, 60.0, 0.0,
                   "swings per turn; 0: the pistons of the rig's file, 7 if it has none",
                   fixed=True),

@@ -80,7 +80,7 @@ class PartModel:
     def complete(self, known: Known) -> dict[str, Any]:
         """Add the rig's constants, and the viscosity, to what a log knows."""
         rig = self.rig
-        found = {**known, 'characterised_at': rig.characterised_at}
+        found = {'viscosity_ratio': 1.0, **known, 'characterised_at': rig.characterised_at}
         if rig.motor is not None:
             found.update(motor_displacement=self.motor_displacement,
                          pistons=float(rig.motor.pistons))

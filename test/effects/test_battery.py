@@ -171,6 +171,8 @@ def test_smooth_in_its_parameters(effect, slot, function):
     typical = effect.typical
     here = evaluate(function, typical, reads)
     for entry in effect.parameters:
+        if entry.fixed:
+            continue
         step = 1e-3 * (entry.high - entry.low)
         coarse, fine = (
             (evaluate(function, {**typical, entry.name: entry.typical + h}, reads) - here) / h
