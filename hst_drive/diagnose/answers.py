@@ -1,43 +1,56 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Ways of the pump to answer its command that no effect lists, each with one number.
+Ways of the pump to answer its command, and of sensors to read, that no effect lists.
 
-They are tried by giving the model another command: that on which its pump does what this one does
-on the recorded command.
+Each has one number. The pump's are tried by giving the model another command: that on which its
+pump does what this one does on the recorded command.
 """
 from __future__ import annotations
 
 import copy
-from typing import Callable, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign
+from hst_drive.measure.run import CHANNELS
 from hst_drive.rig.rig import Pump
 import numpy as np
 
 
 class Answer(NamedTuple):
     """
-    A way to answer: ``change(pump, time, command, number)`` returns the other command, V.
+    A way to answer: ``change(campaign, replay, number)`` changes a copy of one log's replay.
 
-    ``told(number)`` says what it is, for numbers between ``bounds``.
+    ``told(number)`` says what it is, for numbers between ``bounds``, ``where`` it is comes before;
+    ``enters``, ``signal`` (empty: any) and ``depends_on`` say the same for a program.
     """
 
-    change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray]
+    change: Callable[[Campaign, Any, float], None]
     told: Callable[[float], str]
     bounds: tuple[float, float]
     resolved: float
+    where: str = 'the pump follows its command with '
+    enters: str = 'pump_actuator'
+    signal: str = ''
+    depends_on: str = 'pump_command'
 
 
 def answering(campaign: Campaign, answer: Answer, number: float) -> Campaign:
-    """Return the campaign with a pump that answers in this way."""
+    """Return the campaign with a drive that answers in this way."""
     changed = copy.copy(campaign)
     changed.replays = [copy.copy(replay) for replay in campaign.replays]
     for replay in changed.replays:
-        command = answer.change(campaign.rig.pump, replay.run.time,
-                                replay.inputs['pump_command'], number)
-        replay.inputs = {**replay.inputs, 'pump_command': command}
+        answer.change(campaign, replay, number)
     return changed
+
+
+def _of_the_pump(change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray],
+                 told: Callable[[float], str], *more: Any) -> Answer:
+    def changed(campaign: Campaign, replay: Any, number: float) -> None:
+        command = change(campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)
+        replay.inputs = {**replay.inputs, 'pump_command': command}
+
+    return Answer(changed, told, *more)
 
 
 def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> np.ndarray:
@@ -59,7 +72,19 @@ def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
     return np.interp(found + aims[-1:], pump.displacement.y, pump.displacement.x)
 
 
-DEAD_TIME = Answer(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms', (0.0, 0.4), 2e-3)
-ONE_WAY_SLOWER = Answer(_one_way_slower, lambda slower: (
+def reads_late(signal: str) -> Answer:
+    """Return a sensor whose reading lags."""
+    def changed(campaign: Campaign, replay: Any, lag: float) -> None:
+        replay.readings = copy.copy(replay.readings)
+        replay.readings.lags = {signal: lag}
+
+    return Answer(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms', (1e-3, 1.0), 1e-3,
+                  f'the reading of {CHANNELS[signal].title} has ', 'sensor', signal, signal)
+
+
+DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
+                         (0.0, 0.4), 2e-3)
+ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
     f"a lag that is {1 + abs(slower):.1f} times as long on the plate's way "
     + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
+LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow')

@@ -11,9 +11,10 @@ where the stranger is clearly better, by more than formulas are off machines, th
 """
 from __future__ import annotations
 
-from typing import Callable, Collection, Iterator, NamedTuple
+from typing import Callable, Collection, Container, Iterator, NamedTuple
 
-from hst_drive.diagnose.answers import Answer, answering, DEAD_TIME, ONE_WAY_SLOWER
+from hst_drive.diagnose.answers import (
+    Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL
@@ -33,7 +34,7 @@ from scipy.optimize import minimize_scalar
 _SURE = 5.0
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 _PATIENT = 8            # steps of the fit that gives an effect the same chance
-_ROUNDS = 2             # of the pump's answer and the unit in turn
+_ROUNDS = 2             # of the answer and the unit in turn
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
 
@@ -149,7 +150,7 @@ def beside(search: Search, best: Candidate) -> Stranger | None:
     if isinstance(search.campaign, PartCampaign):
         return None
     left = search.unexplained(best)
-    for trial in _beside(search, best, bool(left)):
+    for trial in _beside(search, best, left):
         beaten = _beaten(search, best, trial.fit)
         # Who says better what is left than its place and a formula do explains all of it.
         if beaten and not (trial.unknown and left
@@ -158,9 +159,10 @@ def beside(search: Search, best: Candidate) -> Stranger | None:
     return None
 
 
-def _beside(search: Search, best: Candidate, left: bool) -> Iterator[Trial]:
+def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:
+    late = [reads_late(name) for name in LATE_READINGS if name in left]
     # A dead time of a few milliseconds may be the logger's.
-    for answer in (ONE_WAY_SLOWER, *([DEAD_TIME] if left else [])):
+    for answer in (ONE_WAY_SLOWER, *([DEAD_TIME, *late] if left else [])):
         yield _answered(search, best.fit, answer)
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
@@ -229,16 +231,15 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
 
 
 def _answered(search: Search, fitted: Fit, answer: Answer) -> Trial:
-    """Fit a way of the pump to answer its command, and the unit, in turn."""
+    """Fit a way to answer, and the unit, in turn."""
     campaign, number = search.campaign, 0.0
     for _ in range(_ROUNDS):
         number = minimize_scalar(_cost_of(campaign, fitted.model, answer), bounds=answer.bounds,
                                  method='bounded', options={'xatol': answer.resolved}).x
         fitted = fit(answering(campaign, answer, number), fitted.model, known=search.factors)
     what = answer.told(number)
-    return Trial(what, fitted, Unknown(
-        'pump_actuator', campaign.signals[0], ('pump_command',),
-        f'the pump follows its command with {what}', (), 0.0))
+    return Trial(what, fitted, Unknown(answer.enters, answer.signal or campaign.signals[0],
+                                       (answer.depends_on,), answer.where + what, (), 0.0))
 
 
 def _cost_of(campaign: Campaign, model: Model, answer: Answer) -> Callable[[float], float]:

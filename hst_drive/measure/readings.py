@@ -10,6 +10,7 @@ from hst_drive.measure.run import Run
 from hst_drive.rig.rig import Sensor
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import lfilter
 
 _LOOKED_AT, _COARSE = 20_000, 12     # values, and how many a coarse reading takes
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
@@ -26,10 +27,16 @@ class Readings:
     sensors : mapping of str to Sensor
         By channel; a channel may have none.
 
+    Attributes
+    ----------
+    lags : dict of str to float
+        First-order lag (s) of a channel's reading.
+
     """
 
     def __init__(self, run: Run, sensors: Mapping[str, Sensor]):
         self.run, self.sensors = run, sensors
+        self.lags: dict[str, float] = {}
 
     def step(self, name: str) -> float:
         """Return the deviation (SI) that the sensor's resolution alone makes."""
@@ -59,7 +66,10 @@ class Readings:
         return np.abs(measured - low) <= near, np.abs(measured - high) <= near
 
     def as_read(self, name: str, model: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
-        """Hold the model at the end of the sensor's range where the reading stands there."""
+        """Let the model lag as the reading does, and hold it where that is at its range's end."""
+        if lag := self.lags.get(name):
+            share = -np.expm1(-self.run.sample_time / lag)
+            model = lfilter([share], [1.0, share - 1.0], model, zi=[(1.0 - share) * model[0]])[0]
         measured, (low, high) = self.run[name][rows], self.at_ends(name, rows)
         if not (low.any() or high.any()):
             return model

@@ -97,3 +97,18 @@ def test_load_of_each_turn_is_told_from_a_rough_one(hidden, told):
 def test_lag_of_one_way_is_told_where_the_units_own_lag_hides_it(hidden, told):
     found = beside_nothing(hidden, rate_hz=50.0)
     assert (found is not None and "on the plate's way" in found.told) is told
+
+
+@pytest.mark.needs_numba
+def test_sensor_that_reads_late_is_told_with_its_lag():
+    lag = 0.06
+    rig, runs, held = as_runs(make_campaign(43))
+    for run in (*runs, *held):
+        slow = run['pump_outlet_pressure']
+        for k in range(1, len(slow)):
+            slow[k] = slow[k - 1] + run.sample_time / lag * (slow[k] - slow[k - 1])
+    search = Search(Campaign(rig, runs, held), ())
+    found = beside(search, search.baseline).unknown
+    assert (found.enters, found.signal) == ('sensor', 'pump_outlet_pressure')
+    size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
+    assert size == pytest.approx(1e3 * lag, rel=0.15)
