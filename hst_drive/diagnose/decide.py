@@ -89,7 +89,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         name, {key: Value(value, *limits.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
-    ambiguous = any(rivals.values())
+    ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     verdict = ('unknown' if left or remaining else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
@@ -98,12 +98,15 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'{entry.told}; mend the sensor or leave its column out first.'
               for entry in drifting),
             _sentence(verdict, effects, ladder, remaining).strip(),
+            *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
+              'be missing, too small to tell.' for entry in moved
+              if verdict == 'none' and entry.at_limit),
             *(f'{name} {entry.told}.' for name, entry in better.items()),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
-        calibration=_calibration(campaign, best.fit), unknown=remaining,
+        calibration=moved, unknown=remaining,
         next_test=_next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals),
                 **{name: entry.told for name, entry in better.items()}},

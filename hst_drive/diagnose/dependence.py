@@ -20,6 +20,7 @@ MOST_TERMS = 3
 _BINS, _BINS_OF_TWO = 12, 6
 _WORTH = 0.1            # share of the variance that a variable must add
 _MEMORY = 4.0           # s, creep of a valve
+_WARMED = 0.3           # of WARMTH, by which the oil must warm for it to explain anything
 _STEP = 0.05            # s between the samples that are regressed
 # Channel: scale, shift, and its name in a formula that can be adopted.
 SCALES: dict[str, tuple[float, float, str]] = {
@@ -46,7 +47,9 @@ def samples(campaign: Campaign, model: Fit, place: Place, sizes: Sequence[np.nda
             used: Sequence[np.ndarray]) -> Samples:
     """Gather the samples of all logs, thinned."""
     logs = [_variables(campaign, model, index) for index in range(len(campaign.replays))]
-    names = [name for name in place.reads if all(name in entry for entry in logs)]
+    names = [name for name in place.reads if all(name in entry for entry in logs)
+             and not (name == 'oil_temperature' and np.ptp(np.concatenate(
+                 [entry[name] for entry in logs])) < _WARMED)]
     values, columns, blocks = [], {name: [] for name in names}, []
     for index, replay in enumerate(campaign.replays):
         step = max(int(_STEP / replay.run.sample_time), 1)

@@ -26,6 +26,7 @@ _BEAM = 2
 _SHORTLIST = 8
 _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
+_ALIKE = 1e-3       # of the cost: two starts that differ by less lead to the same place
 _NEAR = 1.5         # of the best start's cost
 _ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
@@ -129,8 +130,12 @@ class Search:
         trials += [start.with_effect(name, {**values, **entry}) for entry in further]
         if alone is not None:
             trials.append(start.with_effect(name, alone.fit.model.effects[name]))
-        promises = {self._promise(model): model for model in trials}     # alike ones once
-        return [promises[key] for key in sorted(promises)][:2 if further else 1]
+        kept: dict[int, tuple[float, Model]] = {}
+        for promise, model in zip(map(self._promise, trials), trials):
+            # What is as good as one that comes before is not told from it by noise.
+            kept.setdefault(round(np.log(promise) / _ALIKE), (promise, model))
+        best = sorted(kept.values(), key=lambda entry: entry[0])
+        return [model for _, model in best[:2 if further else 1]]
 
     def _promise(self, model: Model) -> float:
         errors = self.campaign.errors(model, to_fit=True)
@@ -166,8 +171,8 @@ class Search:
         """
         Say whether held-out and fitted logs both ask for what the second has more.
 
-        Asked where nothing is unexplained, so that chance and form have more to choose from. A
-        large gain on the logs that were fitted will do, as it does for ``worthwhile``.
+        Asked where nothing is unexplained: chance and form have more to choose from. A large gain
+        on the logs that were fitted will do, as it does for ``worthwhile``.
         """
         held_out, fitted = self.gain(before, after), self.gain(before, after, False)
         done = self.done(before)

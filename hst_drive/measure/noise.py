@@ -90,7 +90,8 @@ class Coloured(NamedTuple):
     noise_std: float
 
 
-def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Coloured:
+def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float,
+                      least: float = 0.0) -> Coloured:
     """
     Fit a coloured disturbance in white noise to a residual by its structure function.
 
@@ -103,6 +104,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
         s and any unit.
     noise : float
         Upper limit for the standard deviation of the white noise.
+    least : float
+        Lower limit: a disturbance that is smoother than the fit takes it to be hides the noise.
 
     """
     step = float(np.median(np.diff(time)))
@@ -119,14 +122,14 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     top = float(half.max())
     if top < 1e-100:
         return Coloured(0.0, 0.3, 0.0)
-    half, noise = half / top, noise / math.sqrt(top)
+    half, noise, least = half / top, noise / math.sqrt(top), least / math.sqrt(top)
     weights = 1 / np.maximum(half, 1e-2)
     best, error = Coloured(0.0, 0.3, noise * math.sqrt(top)), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
         shape = 1 - np.exp(-lags * step / constant)
         columns = np.column_stack([np.ones(len(lags)), shape]) * weights[:, None]
         white, variance = np.linalg.lstsq(columns, half * weights, rcond=None)[0]
-        white = min(max(float(white), 0.0), noise**2)
+        white = min(max(float(white), least**2), noise**2)
         rest = (half - white) * weights
         variance = max(float(columns[:, 1] @ rest / (columns[:, 1] @ columns[:, 1])), 0.0)
         misfit = float(np.sum((rest - variance * columns[:, 1])**2))
