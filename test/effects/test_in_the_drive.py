@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 RIG = default_rig()
+THINNER = viscosity(343.15, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
 RPM = math.pi / 30.0
 READINGS = ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque')
 COMMANDS = {'pump_command': 5.5, 'pprv_command': 4.0}
@@ -137,6 +138,9 @@ def test_leakage_takes_speed():
      7.0 * RIG.motor.leakage(90e5, 10.0)),             # twice the gap: eight times the flow
     ({'compressibility_flow': {'volume_ratio': 1.0, 'dead_share': 0.0}}, 'pump_flow', {},
      -RIG.pump.displacement(5.5) * RIG.pump.shaft_speed * 90e5 / RIG.line.bulk_modulus),
+    ({'compressibility_flow': {'volume_ratio': 2.0, 'in_motor': 1.0}}, 'motor_inlet_flow', {},
+     2.0 * RIG.motor.displacement * 10.0 * 90e5 / RIG.line.bulk_modulus),
+    ({'compressibility_flow': {'volume_ratio': 2.0, 'in_motor': 1.0}}, 'pump_flow', {}, 0.0),
     ({'prv_cracking': {'gradient': 1e-11, 'cracking_ratio': 0.5}}, 'pump_flow', {}, 0.0),
     ({'prv_cracking': {'gradient': 1e-11, 'cracking_ratio': 0.5, 'rounding': 0.01}}, 'pump_flow',
      {'pressure': 180e5}, -1e-11 * 80e5 * (80 / 82) * 1.01),
@@ -149,6 +153,8 @@ def test_leakage_takes_speed():
     ({'stribeck_friction': {'torque': 20.0, 'speed': 10.0}}, 'motor_torque_hydraulic', {},
      -20.0 / math.e),
     ({'viscous_drag': {'coefficient': 1.5}}, 'motor_torque_hydraulic', {}, -15.0),
+    ({'viscous_drag': {'coefficient': 1.5, 'viscosity_share': 1.0}}, 'motor_torque_hydraulic',
+     {'temperature': 343.15}, -15.0 * THINNER),
     ({'hydrodynamic_drag': {'coefficient': 0.2}}, 'motor_torque_hydraulic', {}, -20.0),
     ({'back_pressure': {'outlet_pressure': 5e5}}, 'motor_torque_hydraulic', {},
      -5e5 * RIG.motor.displacement * RIG.motor.mechanical_efficiency(90e5, 10.0)),
@@ -156,6 +162,8 @@ def test_leakage_takes_speed():
      {'speed': 5.0}, -4e5 * RIG.motor.displacement * RIG.motor.mechanical_efficiency(90e5, 5.0)),
     ({'piston_ripple': {'cosine': 0.03, 'sine': 0.5}}, 'motor_torque_hydraulic', {},
      0.03 * 90e5 * RIG.motor.displacement),
+    ({'piston_ripple': {'cosine': 0.0, 'cosine_2': 0.02, 'sine_2': 0.5}},
+     'motor_torque_hydraulic', {}, 0.02 * 90e5 * RIG.motor.displacement),
     ({'gearbox_loss': {'fraction': 0.1, 'no_load': 0.0}}, 'load_torque', {},
      0.1 * at({})['load_torque']),
     ({'pressure_sensor_bias': {'bias': -2e5}}, 'pump_outlet_pressure', {}, -2e5),

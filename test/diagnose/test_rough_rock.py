@@ -1,0 +1,24 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Rock that is rougher, and smoother in time, than a lag of one pole makes it."""
+from bench.campaigns import as_runs
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.search import Search
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from ..truth import make_campaign, profiles
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('seed', [51, 52, 53])
+def test_smooth_rock_is_no_missing_physics(monkeypatch, seed):
+    def rock(count, random, size):
+        pole = np.exp(-2.0 * np.pi * 1.0 * 1e-3)
+        found = lfilter([1.0], [1.0, -2.0 * pole, pole**2], random.standard_normal(count))
+        return 3.0 * found / found.std()
+
+    monkeypatch.setattr(profiles, 'roughness', rock)
+    search = Search(Campaign(*as_runs(make_campaign(seed))), ())
+    assert search.unexplained(search.baseline) == {}
