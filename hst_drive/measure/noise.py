@@ -90,13 +90,13 @@ class Coloured(NamedTuple):
     noise_std: float
 
 
-def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float,
-                      least: float = 0.0) -> Coloured:
+def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Coloured:
     """
     Fit a coloured disturbance in white noise to a residual by its structure function.
 
     The squared increments over lags of one sample to 1 s, as medians over blocks, grow as
-    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``.
+    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``. Where a disturbance of two poles,
+    smoother at short lags, fits better, the white noise is what stands beside that.
 
     Parameters
     ----------
@@ -104,8 +104,6 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float,
         s and any unit.
     noise : float
         Upper limit for the standard deviation of the white noise.
-    least : float
-        Lower limit: a disturbance that is smoother than the fit takes it to be hides the noise.
 
     """
     step = float(np.median(np.diff(time)))
@@ -122,21 +120,33 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float,
     top = float(half.max())
     if top < 1e-100:
         return Coloured(0.0, 0.3, 0.0)
-    half, noise, least = half / top, noise / math.sqrt(top), least / math.sqrt(top)
+    half, most = half / top, noise**2 / top
+    rough, misfit = _fitted(lags * step, half, 0.0, most, poles=1)
+    smooth, smoother = _fitted(lags * step, half, 0.0, most, poles=2)
+    if smoother < misfit:
+        rough, _ = _fitted(lags * step, half, smooth.noise_std**2, most, poles=1)
+    return Coloured(rough.std * math.sqrt(top), rough.time_constant,
+                    rough.noise_std * math.sqrt(top))
+
+
+def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,
+            poles: int) -> tuple[Coloured, float]:
+    """Fit half the squared increments, white noise between two variances; return its misfit."""
     weights = 1 / np.maximum(half, 1e-2)
-    best, error = Coloured(0.0, 0.3, noise * math.sqrt(top)), np.inf
+    best, error = Coloured(0.0, 0.3, math.sqrt(most)), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
-        shape = 1 - np.exp(-lags * step / constant)
+        decay = np.exp(-lags / constant)
+        shape = 1 - decay * (1 + lags / constant if poles == 2 else 1)
         columns = np.column_stack([np.ones(len(lags)), shape]) * weights[:, None]
         white, variance = np.linalg.lstsq(columns, half * weights, rcond=None)[0]
-        white = min(max(float(white), least**2), noise**2)
+        white = min(max(float(white), least), most)
         rest = (half - white) * weights
         variance = max(float(columns[:, 1] @ rest / (columns[:, 1] @ columns[:, 1])), 0.0)
         misfit = float(np.sum((rest - variance * columns[:, 1])**2))
         if misfit < error:
-            best = Coloured(math.sqrt(variance * top), constant, math.sqrt(white * top))
+            best = Coloured(math.sqrt(variance), constant, math.sqrt(white))
             error = misfit
-    return best
+    return best, error
 
 
 def _block_means(values: np.ndarray, size: int) -> np.ndarray:

@@ -185,10 +185,7 @@ class Replay:
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
                     self.readings.noise(name, rest))
-        sensor = self.readings.sensors.get(name)
-        self.roughness = estimate_coloured(
-            self.run.time, rest - self.readings.slow(rest),
-            noise, min(sensor.noise_std, noise) if sensor else 0.0)
+        self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True

@@ -112,8 +112,8 @@ def test_sizes_are_printed_in_units_of_the_field(diagnosed, content):
     """Pressure per flow in bar and L/min; the JSON is in SI."""
     first = content['effects'][0]
     for name, value in first['parameters'].items():
-        unit = {'Pa.s/m^3': 'bar/(L/min)', 'Pa.s^2/m^6': 'bar/(L/min)^2'}[value['unit']]
-        factor = {'bar/(L/min)': 6e9, 'bar/(L/min)^2': 3.6e14}[unit]
+        unit = {'Pa.s/m^3': 'bar/(L/min)', 'Pa.s^2/m^6': 'bar/(L/min)^2', '1': '1'}[value['unit']]
+        factor = {'bar/(L/min)': 6e9, 'bar/(L/min)^2': 3.6e14, '1': 1.0}[unit]
         row = next(line for line in diagnosed[0].splitlines() if f' {name} ' in line)
         assert f' {value["value"] / factor:.4g} ' in row and f' {unit} ' in f'{row} '
 
