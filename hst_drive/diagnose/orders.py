@@ -10,12 +10,13 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 LOWEST, HIGHEST = 3, 40     # swings per turn: pistons of one machine, times the lobes of its cam
+_AS_STRONG = 0.5            # of the strongest
 _SLOW = 0.1                 # s, standard deviation of what is taken away as no swing
 _SEEN = 0.4                 # of the sampling rate: what swings faster is not seen
 
 
 def strongest_orders(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[int]:
-    """Return the two numbers of swings per turn that hold most of the errors, if angles tell."""
+    """Return the number of swings per turn that holds most of the errors, and one as strong."""
     orders = np.arange(LOWEST, HIGHEST + 1)
     power = np.zeros(len(orders))
     for error, column in zip(errors, campaign.columns):
@@ -36,4 +37,5 @@ def strongest_orders(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[i
             power[place] += abs(np.sum(swing[seen] * wave[seen]))**2 / len(column.fit)
             wave *= turn
     strongest = np.argsort(-power)[:2]
-    return [int(orders[place]) for place in strongest if power[place] > 0.0]
+    return [int(orders[place]) for place in strongest
+            if power[place] > _AS_STRONG * power.max()]
