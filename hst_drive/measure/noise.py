@@ -18,6 +18,7 @@ import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
 _BLOCK = 50
+_CLEARLY = 0.5      # of the misfit of one pole: below, two poles fit better than by chance
 
 
 def noise_std(values: np.ndarray) -> float:
@@ -123,7 +124,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     half, most = half / top, noise**2 / top
     rough, misfit = _fitted(lags * step, half, 0.0, most, poles=1)
     smooth, smoother = _fitted(lags * step, half, 0.0, most, poles=2)
-    if smoother < misfit:
+    if smoother < _CLEARLY * misfit:
         rough, _ = _fitted(lags * step, half, smooth.noise_std**2, most, poles=1)
     return Coloured(rough.std * math.sqrt(top), rough.time_constant,
                     rough.noise_std * math.sqrt(top))

@@ -75,7 +75,7 @@ def test_the_quick_answer_is_near_and_judges_alike(bench):
         for name in exact:
             assert quick[name]['held'] == exact[name]['held']
             assert quick[name]['training'] == exact[name]['training']
-            assert np.isclose(quick[name]['ratio'], exact[name]['ratio'], rtol=0.1)
+            assert np.isclose(quick[name]['ratio'], exact[name]['ratio'], rtol=0.05)
         curves = bench.compared(PageModel(effects), [0])[0].model
         for name, values in log.model.items():
             spread = np.ptp(curves[name])
