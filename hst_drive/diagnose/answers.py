@@ -78,8 +78,9 @@ def reads_late(signal: str) -> Answer:
         replay.readings = copy.copy(replay.readings)
         replay.readings.lags = {signal: lag}
 
-    return Answer(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms', (1e-3, 1.0), 1e-3,
-                  f'the reading of {CHANNELS[signal].title} has ', 'sensor', signal, signal)
+    title = CHANNELS[signal].title
+    return Answer(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms in the reading of {title}',
+                  (1e-3, 1.0), 1e-3, '', 'sensor', signal, signal)
 
 
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
@@ -87,4 +88,5 @@ DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f
 ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
     f"a lag that is {1 + abs(slower):.1f} times as long on the plate's way "
     + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
-LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow')
+LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow',
+                 'load_torque', 'motor_torque')

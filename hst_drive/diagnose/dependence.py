@@ -12,6 +12,7 @@ from hst_drive.diagnose.judge import PRACTICAL
 from hst_drive.diagnose.places import Place, WINDOW
 from hst_drive.effects.formula import FLOW, PRESSURE, REFERENCE, SPEED, TORQUE, WARMTH
 from hst_drive.measure.run import CHANNELS
+from hst_drive.model.drive import turned
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
@@ -87,7 +88,7 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
         # The load that the model sees: the measured one holds the unknown itself.
         found['load_torque'] = campaign.driver(model.model).load_torque(
             run.time, replay.inputs['pprv_command'], SPEED * found['motor_speed'],
-            replay.inputs['oil_temperature']) / TORQUE
+            replay.inputs['oil_temperature'], replay.inputs.get('motor_angle')) / TORQUE
     if static:
         return found
     for name in ('pump_command', 'pprv_command'):
@@ -100,8 +101,9 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
             found[f'{name}_creep'] = raw - lfilter(
                 [share], [1, share - 1], raw, zi=[(1 - share) * raw[0]])[0]
     if 'motor_speed' in run:
-        angle = np.concatenate([[0.0], np.cumsum(
-            SPEED * found['motor_speed'][:-1] * np.diff(run.time))])
+        angle = replay.inputs.get('motor_angle')
+        if angle is None:
+            angle = turned(run.time, SPEED * found['motor_speed'])
         found['motor_angle_cos'], found['motor_angle_sin'] = np.cos(angle), np.sin(angle)
     return found
 

@@ -21,7 +21,7 @@ _IN_EVENTS = 0.5        # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
-CLEAN_RATIO = 1.15      # noise ratio up to which a signal counts as explained
+CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 _CLEAR = 0.5            # squared floors, by which a block's error clearly changes
 SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates

@@ -18,6 +18,7 @@ from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
     worthwhile, worthwhile_in_part)
 from hst_drive.diagnose.orders import strongest_orders
+from hst_drive.diagnose.phases import in_step
 from hst_drive.effects import catalogue
 import numpy as np
 
@@ -62,6 +63,7 @@ class Search:
         self.progress = progress
         self.base = calibrated(campaign)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
+        in_step(campaign, self.base)
         self._known: dict[tuple[str, ...], Candidate] = {}
         self.baseline = Candidate((), self.base, self.score(self.base))
 
@@ -197,6 +199,8 @@ class Search:
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""
         refined = candidate
+        if any(catalogue(everything=True)[name].order for name in candidate.names):
+            in_step(self.campaign, candidate.fit)
         for _ in range(_ROUNDS):
             before = refined.fit.cost
             found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)

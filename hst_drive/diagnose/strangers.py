@@ -19,6 +19,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL
 from hst_drive.diagnose.part import PartCampaign
+from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.unknown import Carried, worth
@@ -152,9 +153,8 @@ def beside(search: Search, best: Candidate) -> Stranger | None:
     left = search.unexplained(best)
     for trial in _beside(search, best, left):
         beaten = _beaten(search, best, trial.fit)
-        # Who says better what is left than its place and a formula do explains all of it.
-        if beaten and not (trial.unknown and left
-                           and search.unexplained(best._replace(fit=trial.fit))):
+        # Who says better what is left than its place and a formula do explains it.
+        if beaten and not (trial.unknown and left and _much_left(search, best, trial.fit)):
             return Stranger(f'{trial.what} leaves {_share(beaten)}', trial.unknown)
     return None
 
@@ -164,11 +164,29 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     # A dead time of a few milliseconds may be the logger's.
     for answer in (ONE_WAY_SLOWER, *([DEAD_TIME, *late] if left else [])):
         yield _answered(search, best.fit, answer)
+    once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
     trial = _fitted(search.campaign, best.fit.model, _BESIDE, known=search.factors)
     if trial:
         yield trial
+
+
+def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
+    """Return how far the load torque is off, log by log, over its floor."""
+    found = [np.zeros(len(replay.run)) for replay in campaign.replays]
+    for error, column in zip(fitted.errors, campaign.columns):
+        if column.signal == campaign.replays[column.log].torque:
+            found[column.log] = -error * column.trust
+    return found
+
+
+def _much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
+    if not search.unexplained(best._replace(fit=fitted)):
+        return False
+    before, after = (sum(max(value**2 - 1.0, 0.0) for value in search.campaign.ratios(
+        entry.errors, True).values()) for entry in (best.fit, fitted))
+    return after > FORM_SHARE * before
 
 
 def _share(beaten: tuple[str, float]) -> str:

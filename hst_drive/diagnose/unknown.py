@@ -18,6 +18,7 @@ from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import gain, PRACTICAL, unexplained
 from hst_drive.diagnose.part import PartCampaign
+from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.places import locate, only_read, Place, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
@@ -58,7 +59,9 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     place = locate(campaign, model) if left else None
     if place is None:
         return None
-    data = samples(campaign, model, place, *sizes(campaign, model, place))
+    found, used = sizes(campaign, model, place)
+    once_a_turn(campaign, model, found)
+    data = samples(campaign, model, place, found, used)
     depends = depends_on(data)
     terms, explained = regress(data, lambda name: True)
     static = terms

@@ -55,6 +55,7 @@ SLOTS: dict[str, Slot] = {
     'flow_reading': Slot('sensor', 'm^3/s', 'added to the flow reading'),
     'speed_reading': Slot('sensor', 'rad/s', 'added to the speed reading'),
     'speed_reading_lag': Slot('sensor', 's', 'first-order lag of the speed reading'),
+    'speed_reading_series_lag': Slot('sensor', 's', 'lag in series with that of the reading'),
     'torque_reading': Slot('sensor', 'N.m', 'added to the torque reading'),
 }
 

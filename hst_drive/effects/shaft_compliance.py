@@ -34,20 +34,19 @@ EFFECT = Effect(
     parameters=(
         Parameter('compliance', 'rad/(N.m)', 0.0, 0.1, 0.0031,
                   'twist of the shaft per torque'),
-        Parameter('load_side_share', '1', 0.25, 0.8, USUAL_SHARE,
+        Parameter('load_side_share', '1', 0.25, 0.9, USUAL_SHARE,
                   'part of the inertia that lies behind the shaft', neutral=USUAL_SHARE),
         Parameter('hardening', '1/rad^2', 0.0, 50.0, 0.1,
                   'how much stiffer a twisted shaft is: rubber couplings, threads that close'),
-        Parameter('damping_time', 's', 0.0, 0.01, USUAL_DAMPING_TIME,
+        Parameter('damping_time', 's', 0.0, 0.03, USUAL_DAMPING_TIME,
                   'damping of the shaft over its stiffness', neutral=USUAL_DAMPING_TIME),
     ),
     # Ringing in step and out of step with the measured one: a valley each.
     starts=tuple({'compliance': compliance, 'load_side_share': share, 'hardening': hardening}
-                 for compliance, share, hardening in (
-                     (0.0012, 0.4, 0.1), (0.002, 0.4, 0.1), (0.003, 0.5, 0.1), (0.003, 0.5, 1.0),
-                     (0.003, 0.6, 0.1),
-                     (0.0045, 0.4, 0.1), (0.0045, 0.5, 1.0), (0.0045, 0.6, 0.1), (0.006, 0.5, 1.0),
-                     (0.006, 0.6, 0.1))),
+                 for share, hardening, compliances in (
+                     (0.4, 0.1, (0.0012, 0.002, 0.0045)), (0.5, 0.1, (0.003,)),
+                     (0.5, 1.0, (0.003, 0.0045, 0.006)), (0.6, 0.1, (0.003, 0.0045, 0.006)),
+                     (0.8, 0.1, (0.002, 0.003, 0.004, 0.0055))) for compliance in compliances),
     telltale='After a change of load, torque and speed ring at a frequency that the oil column '
              'does not explain.',
     source='Two-inertia drive: H. E. Merritt, Hydraulic Control Systems, Wiley 1967, on load '

@@ -34,6 +34,10 @@ class KeptReplay(Replay):
         self._whole = {name: filled(run[name]) for name in SIGNALS if name in run}
         super().__init__(run, drive)
 
+    def turn(self, angle: float) -> None:
+        super().turn(angle)
+        self._kept, self._load = [], ((), None, None)
+
     def predict(self, drive: Drive, extra: np.ndarray | None = None,
                 commands: Mapping[str, np.ndarray] = {}) -> Prediction:
         self._keeping = extra is None and not commands

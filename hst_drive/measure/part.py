@@ -19,6 +19,7 @@ from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -203,8 +204,7 @@ class PartReplay:
             if name in channels}
         known.setdefault('oil_temperature', np.full(len(self.run), model.rig.characterised_at))
         if 'motor_speed' in channels and not self.static:
-            known['motor_angle'] = np.concatenate([[0.0], np.cumsum(
-                self._channels['motor_speed'][:-1] * np.diff(self.run.time))])
+            known['motor_angle'] = turned(self.run.time, self._channels['motor_speed'])
         known = model.complete(known)
         source = self._pump_pressure
         if source:

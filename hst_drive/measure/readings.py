@@ -10,10 +10,11 @@ from hst_drive.measure.run import Run
 from hst_drive.rig.rig import Sensor
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter
+from scipy.signal import lfilter, savgol_filter
 
 _LOOKED_AT, _COARSE = 20_000, 12     # values, and how many a coarse reading takes
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
+_LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
 
 class Readings:
@@ -75,6 +76,16 @@ class Readings:
             return model
         model = np.where(low, np.maximum(model, measured), model)
         return np.where(high, np.minimum(model, measured), model)
+
+    def ahead(self, values: np.ndarray, lag: float) -> np.ndarray:
+        """Return what a reading with a first-order lag (s) was made of."""
+        if lag <= 0.0:
+            return values
+        step = self.run.sample_time
+        half = min(max(round(_LAG_SHARE * lag / step), 2), (len(values) - 1) // 2)
+        if half < 2:
+            return values
+        return values + lag * savgol_filter(values, 2 * half + 1, 4, deriv=1, delta=step)
 
     def slow(self, values: np.ndarray) -> np.ndarray:
         """Return what in a signal of this recording is slower than about a second."""

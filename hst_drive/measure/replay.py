@@ -18,7 +18,9 @@ from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.start import first_state
+from hst_drive.measure.turns import start_angle, swinging
 from hst_drive.model import Drive, usual_sensors
+from hst_drive.model.drive import turned
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -32,6 +34,7 @@ _STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
 _STANDSTILL, _CREEPING = 0.1, 0.5
+_CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
 class Prediction(NamedTuple):
@@ -90,8 +93,7 @@ class Replay:
                                              for name in INPUTS})
         self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
-            turned = np.diff(time) * filled(run['motor_speed'])[:-1]
-            self.inputs['motor_angle'] = np.concatenate([[0.0], np.cumsum(turned)])
+            self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))
         self._parts = self._subdivision(drive)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
@@ -110,6 +112,13 @@ class Replay:
             self._held = held < 0.9 * line
             self.stamps = 0.3 * run.sample_time
         self._prepare(drive)
+        if 'motor_speed' in run:
+            for name in swinging(drive):
+                self.turn(start_angle(self, drive, name))
+
+    def turn(self, angle: float) -> None:
+        """Let the shaft have stood further by an angle (rad) at the start."""
+        self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}
 
     def _misfit(self, drive: Drive, held: bool) -> float:
         """Return the squared error over the noise with one way to fill in the commands."""
@@ -161,9 +170,19 @@ class Replay:
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         command = self._finer(self.inputs['pprv_command'], command=True)
         time, speed, temperature = (self._finer(values) for values in (
-            self.run.time, self._speed if speed is None else speed,
+            self.run.time, self._speed_behind(drive) if speed is None else speed,
             self.inputs['oil_temperature']))
-        return drive.load_torque(time, command, speed, temperature)[::self._parts]
+        angle = self.inputs.get('motor_angle')
+        if angle is not None:
+            angle = self._finer(angle)
+        return drive.load_torque(time, command, speed, temperature, angle)[::self._parts]
+
+    def _speed_behind(self, drive: Drive) -> np.ndarray:
+        """Return the speed (rad/s) behind a reading of it that is late."""
+        speed = self._speed
+        for lag in drive.speed_reading_lags:
+            speed = self.readings.ahead(speed, lag)
+        return speed
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
                   commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
@@ -181,6 +200,13 @@ class Replay:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
         self._turning = np.abs(self._speed) > _STANDSTILL
         rest = self._unexplained(self._load_model(drive))
+        if 'motor_speed' in self.run:
+            # A late reading of the speed would pass for a rough load.
+            moved = self._simulate(drive, self.readings.slow(rest))['motor_speed']
+            moved = self._unexplained(self._load_model(drive, moved))
+            late, prompt = (np.std(left - self.readings.slow(left)) for left in (rest, moved))
+            if prompt < _CLEARLY * late:
+                rest = moved
         self._smoothed = None
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
@@ -221,7 +247,8 @@ class Replay:
                     self.noise[name] = min(self.noise[name], stated)
 
     def _unexplained(self, load: np.ndarray) -> np.ndarray:
-        rest = np.where(self._turning, self._measured - load, 0.0)
+        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+        rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 

@@ -51,7 +51,7 @@ OUTPUTS: tuple[str, ...] = (
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
     'twist', 'speed_reading', 'play', 'last_command', 'slowdown',
-    'wide_play', 'pilot_aim')
+    'wide_play', 'pilot_aim', 'late_speed_reading')
 
 
 class Kernel(NamedTuple):

@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from typing import Mapping
 
 from hst_drive.effects import catalogue, left_out
+from hst_drive.effects.base import arguments
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.compose import kernel, OUTPUTS, STATES
@@ -15,6 +16,11 @@ from hst_drive.rig import Rig
 import numpy as np
 
 MAX_STEP = 2.5e-3   # s; halving it moves no reading by more than 1e-4 of its range
+
+
+def turned(time: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Return the angle (rad) that a shaft has turned since the first of its speeds (rad/s)."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
 
 
 def check_effect(rig: Rig, name: str, values: Mapping[str, float] | None) -> dict[str, float]:
@@ -103,6 +109,15 @@ class Drive:
         known = catalogue(everything=True)
         return any(known[name].slot == 'shaft_compliance' for name in self.effects)
 
+    @property
+    def speed_reading_lags(self) -> list[float]:
+        """Lags of the speed reading, s, that stand behind each other."""
+        known = catalogue(everything=True)
+        return [function(*(self.effects[name][key] for key in arguments(function)))
+                for name in self.effects for slot, function in known[name].terms
+                if slot in ('speed_reading_lag', 'speed_reading_series_lag')
+                and set(arguments(function)) <= set(self.effects[name])]
+
     def scale(self, factors: Mapping[str, float]) -> None:
         """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""
         for key, factor in factors.items():
@@ -113,12 +128,19 @@ class Drive:
         return viscosity(oil_temperature, self.rig.line.oil_grade) / self._table_viscosity
 
     def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
-                    oil_temperature: np.ndarray) -> np.ndarray:
-        """Return the torque reading (N.m) that the load model gives at a recorded speed."""
+                    oil_temperature: np.ndarray,
+                    motor_angle: np.ndarray | None = None) -> np.ndarray:
+        """
+        Return the torque reading (N.m) that the load model gives at a recorded speed.
+
+        All arrays have shape (n,): s, V, rad/s, K, and rad, by default as the speed has turned it.
+        """
         out = np.empty(len(time))
+        if motor_angle is None:
+            motor_angle = turned(time, motor_speed)
         self.kernel.load_record(
             *(np.ascontiguousarray(values, dtype=float)
-              for values in (time, pprv_command, motor_speed, oil_temperature)),
+              for values in (time, pprv_command, motor_speed, oil_temperature, motor_angle)),
             self.parameters, self.switches, *self._fresh_tables(), out)
         return out
 
@@ -143,7 +165,7 @@ class Drive:
         state[:4] = (scale * self.rig.pump.displacement(pump_command),
                      pprv_pressure if pressure is None else pressure, speed,
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
-        state[5] = state[7] = speed
+        state[5] = state[7] = state[13] = speed
         state[8] = state[9] = state[11] = pump_command
         state[10] = np.nan      # the pump shaft has settled on what the load asks
         state[12] = np.nan      # and the pump's control on the command

@@ -91,7 +91,8 @@ def load_model(motor_speed, pprv_pressure, pprv_command, oil_temperature, motor_
     return whole_load_torque
 
 
-def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, cells, layout, out):
+def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angles, p, on, cells,
+                layout, out):
     """
     Evaluate the load model over a record at the measured speed.
 
@@ -99,14 +100,13 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, cell
     what the torque sensor would read.
     """
     pprv_pressure = 0.0
-    motor_angle = 0.0
     for k in range(len(time)):
         target = p[P_pprv_pressure_scale] * interpolate(
             pprv_commands[k], T_PPRV_PRESSURE, cells, layout)
         if k == 0:
             pprv_pressure = target
         load_torque = load_model(motor_speeds[k], pprv_pressure, pprv_commands[k],
-                                 oil_temperatures[k], motor_angle, p, on, cells, layout)
+                                 oil_temperatures[k], motor_angles[k], p, on, cells, layout)
         load_torque *= smooth_sign(motor_speeds[k])
         torque_reading = load_torque
         # slot torque_reading
@@ -115,7 +115,6 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, p, on, cell
             interval = time[k + 1] - time[k]
             pprv_pressure = target + (pprv_pressure - target) * math.exp(
                 -interval / p[P_pprv_lag])
-            motor_angle += motor_speeds[k] * interval
 
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
@@ -262,6 +261,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
     twist, reading, play, last_command = state[6], state[7], state[8], state[9]
     slowdown, wide_play, pilot_aim = state[10], state[11], state[12]
+    late_reading = state[13]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     # The fastest that Adams and Bashforth have to follow: the oil's spring with the inertia.
@@ -324,14 +324,18 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         if pump_stroke_time > 0.0:
             rate = max_displacement / pump_stroke_time * (1.0 + pump_stroke_asymmetry)
             back_rate = max_displacement / pump_stroke_time * (1.0 - pump_stroke_asymmetry)
-        speed_reading_lag = 0.0
+        speed_reading_lag = speed_reading_series_lag = 0.0
         # slot speed_reading_lag
+        # slot speed_reading_series_lag
         if speed_reading_lag <= 0.0:
             reading = motor_speed
         else:
             # A shorter lag than this cannot be seen, and would be stiff.
             speed_reading_lag = max(speed_reading_lag, 0.5 * max_step)
             shortest_lag = min(shortest_lag, speed_reading_lag)
+        if speed_reading_series_lag <= 0.0:
+            late_reading = reading
+        earlier_reading = reading
         target = p[P_displacement_scale] * interpolate(
             pump_command, T_DISPLACEMENT, cells, layout)
         pprv_target = p[P_pprv_pressure_scale] * interpolate(
@@ -378,7 +382,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     motor_angle = x4
                     pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
                     flow_reading = flow
-                    speed_reading = reading
+                    speed_reading = late_reading
                     torque_reading = shaft_torque
                     if reads:
                         # slot pressure_reading
@@ -498,6 +502,11 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 break
         if pump_series_lag > 0.0:
             pilot_aim = target + (pilot_aim - target) * math.exp(-interval / pump_series_lag)
+        if speed_reading_series_lag > 0.0 and interval > 0.0:
+            # The second lag of the reading: exact for a first one that moves on a straight line.
+            behind = (reading - earlier_reading) / interval * speed_reading_series_lag
+            late_reading = reading - behind + (late_reading - earlier_reading + behind) * math.exp(
+                -interval / speed_reading_series_lag)
         if not (abs(motor_speed) < 1e4 and abs(pump_pressure) < 1e11):
             for i in range(k + 1, n):
                 for j in range(out.shape[1]):
@@ -506,4 +515,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     state[0], state[1], state[2] = displacement, pump_pressure, motor_speed
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
     state[6], state[7], state[8], state[9] = twist, reading, play, last_command
-    state[10], state[11], state[12] = slowdown, wide_play, pilot_aim
+    state[10], state[11], state[12], state[13] = slowdown, wide_play, pilot_aim, late_reading

@@ -100,15 +100,16 @@ def test_lag_of_one_way_is_told_where_the_units_own_lag_hides_it(hidden, told):
 
 
 @pytest.mark.needs_numba
-def test_sensor_that_reads_late_is_told_with_its_lag():
-    lag = 0.06
+@pytest.mark.parametrize('signal, lag', [('pump_outlet_pressure', 0.06),
+                                         ('motor_inlet_flow', 0.15), ('load_torque', 0.12)])
+def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
     rig, runs, held = as_runs(make_campaign(43))
     for run in (*runs, *held):
-        slow = run['pump_outlet_pressure']
+        slow = run[signal]
         for k in range(1, len(slow)):
             slow[k] = slow[k - 1] + run.sample_time / lag * (slow[k] - slow[k - 1])
     search = Search(Campaign(rig, runs, held), ())
     found = beside(search, search.baseline).unknown
-    assert (found.enters, found.signal) == ('sensor', 'pump_outlet_pressure')
+    assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)

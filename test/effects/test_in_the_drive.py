@@ -274,17 +274,20 @@ def test_actuator_effects():
             abs=1e-3)
 
 
-def test_filtered_speed():
-    """The reading obeys the first-order lag, integrated exactly between samples."""
+@pytest.mark.parametrize('series', [0.0, 0.3, 0.5])
+def test_filtered_speed(series):
+    """The reading obeys the lags, integrated exactly between samples."""
     time, inputs = excited(300)
     lag = 0.2
-    found = Drive(RIG, {'speed_sensor_lag': {'time_constant': lag}}).simulate(time, inputs)
+    found = Drive(RIG, {'speed_sensor_lag': {'time_constant': lag, 'series': series}}
+                  ).simulate(time, inputs)
     speed = Drive(RIG).simulate(time, inputs)['motor_speed']
     fine = np.arange(0.0, time[-1], 1e-3)
-    filtered, value = [], speed[0]
+    filtered, value, behind = [], speed[0], speed[0]
     for true in np.interp(fine, time, speed):
-        value += (true - value) * (1 - math.exp(-1e-3 / lag))
-        filtered.append(value)
+        value += (true - value) * (1 - math.exp(-1e-3 / ((1 - series) * lag)))
+        behind += (value - behind) * (1 - math.exp(-1e-3 / (series * lag)) if series else 1.0)
+        filtered.append(behind)
     error = np.interp(time[50:-1], fine, filtered) - found['motor_speed'][50:-1]
     assert np.abs(error).max() < 0.01 * np.ptp(speed)
 

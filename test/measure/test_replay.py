@@ -40,6 +40,17 @@ def test_a_perfect_model_reaches_the_floor(settings):
         assert 0.9 < ratio < 1.15, name
 
 
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('series', [0.0, 0.4])
+def test_a_late_reading_of_the_speed_does_not_spoil_the_load(series):
+    """The load depends on the speed that there was, not on what was read."""
+    effects = {'speed_sensor_lag': {'time_constant': 0.1, 'series': series}}
+    runs = [record(seed, effects=effects, roughness=0.5) for seed in range(20, 24)]
+    found = compare(Drive(RIG, effects), runs).signals
+    for name, entry in found.items():
+        assert entry.noise_ratio < 1.25, name
+
+
 def test_a_perfect_model_reaches_the_floor_in_short():
     """The same with plain Python, short."""
     found = compare(Drive(RIG), [record(21, duration=6.0)]).signals

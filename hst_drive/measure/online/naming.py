@@ -28,7 +28,7 @@ _MOST = 6
 _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
          'shaft_compliance', 'shaft_load_share', 'shaft_damping_time', 'speed_reading_lag',
-         'motor_torque')
+         'speed_reading_series_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
 
 
