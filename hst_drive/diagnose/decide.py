@@ -99,8 +99,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
               for entry in drifting),
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
-              'be missing, too small to tell.' for entry in moved
-              if verdict == 'none' and entry.at_limit),
+              f"be missing{', too small to tell' if verdict == 'none' else ' as well'}."
+              for entry in moved if verdict != 'unknown' and entry.at_limit),
             *(f'{name} {entry.told}.' for name, entry in better.items()),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,

@@ -23,6 +23,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
+_NOISE = 1.15       # noise ratio up to which nothing is left in a signal
 _QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
 _PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
@@ -155,8 +156,14 @@ def locate(campaign: Campaign, model: Fit) -> Place | None:
     """Return the place whose direction holds most of the error; None if there is none."""
     errors = smooth_errors(campaign, model)
     best, most = None, 0.0
+    kinds = [campaign.ratios(model.errors, held_out) for held_out in (True, False)]
+    # Not where all that it moves is down to the noise while other signals are not.
+    open_ = {name for name in kinds[0] if max(kind.get(name, 0.0) for kind in kinds) > _NOISE}
     for place in places(campaign):
-        if place.enters == 'sensor' and not only_read(campaign, model, place.moves):
+        if open_ and not open_ & set(place.moves):
+            continue
+        if place.enters == 'sensor' and not (only_read(campaign, model, place.moves)
+                                             and set(place.moves) <= (open_ or {*kinds[0]})):
             continue
         held = 0.0
         for index, log in enumerate(errors):

@@ -19,6 +19,7 @@ from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.start import resting
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 import numpy as np
@@ -261,8 +262,10 @@ class PartReplay:
         return pressure + model.terms('pressure_reading', {**known, 'pressure': pressure})
 
     def _stroke(self, model, known, channels, name) -> np.ndarray:
-        return model.stroke(None if self.static else self.run.time, channels['pump_command'],
-                            known)
+        if self.static:
+            return model.stroke(None, channels['pump_command'], known)
+        return model.stroke(self.run.time, channels['pump_command'],
+                            {**known, **resting(model, known, channels)})
 
     def _delivered(self, model, known, channels, name) -> np.ndarray:
         known = dict(known)

@@ -7,7 +7,10 @@ from typing import Mapping
 
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
+from hst_drive.model.part import PartModel
 import numpy as np
+
+_FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
 
 
 def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
@@ -61,6 +64,36 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     state[9] = commands['pump_command']
     state[8] = state[11] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
     return state
+
+
+def resting(model: PartModel, known: Mapping[str, np.ndarray],
+            channels: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """
+    Return where the pump's plate 'rests_at' before the command moves, m^3/rad; empty if unknown.
+
+    A plate with play rests where the readings say, not where the command says.
+
+    Parameters
+    ----------
+    model : PartModel
+        The pump.
+    known : mapping of str to ndarray
+        What its flow depends on.
+    channels : mapping of str to ndarray
+        Readings, SI.
+
+    """
+    command = channels['pump_command']
+    moves = int(np.argmax(np.abs(command - command[0]) > _STILL)) or len(command)
+    rows = slice(max(moves - _FIRST, 0), max(moves, _FIRST))
+    if 'pump_displacement' in channels:
+        return {'rests_at': float(np.mean(channels['pump_displacement'][rows]))}
+    if 'motor_inlet_flow' not in channels or 'pump_pressure' not in known:
+        return {}
+    ends = 0.0, model.rig.pump.max_displacement
+    flows = [float(np.mean(model.pump_flow({
+        **known, 'displacement': np.full(len(command), end)})[rows])) for end in ends]
+    return {'rests_at': float(np.interp(np.mean(channels['motor_inlet_flow'][rows]), flows, ends))}
 
 
 def _first_torque(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],

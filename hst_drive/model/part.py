@@ -147,7 +147,7 @@ class PartModel:
         command : ndarray
             V.
         known : mapping
-            What effects of the actuator may read.
+            What effects of the actuator may read, and where the plate 'rests_at' first, m^3/rad.
 
         """
         pump = self.rig.pump
@@ -158,7 +158,10 @@ class PartModel:
         if play > 0:
             softness, spread = (float(np.max(self.terms(slot, known))) for slot in (
                 'pump_play_softness', 'pump_play_spread'))
-            command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness)
+            scale, table = self.factor('pump.displacement_vs_command'), pump.displacement
+            rests = float(np.interp(known['rests_at'] / scale, table.y, table.x)) if (
+                'rests_at' in known) else command[0]
+            command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
@@ -259,9 +262,10 @@ def _over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
     return FunctionType(function.__code__, arrays)
 
 
-def _play(command: np.ndarray, half: float, softness: float) -> np.ndarray:
-    """Return a command behind a play of twice ``half``."""
-    behind, inside, last = np.empty(len(command)), command[0], command[0]
+def _play(command: np.ndarray, half: float, softness: float, start: float) -> np.ndarray:
+    """Return a command behind a play of twice ``half``; it starts as near as that lets it."""
+    behind, last = np.empty(len(command)), command[0]
+    inside = min(max(start, last - half), last + half)
     for k, value in enumerate(command):
         inside = played(inside, last, value, half, softness)
         behind[k], last = inside, value

@@ -1,0 +1,40 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A log of a pump bench may begin with the plate anywhere in its play."""
+from dataclasses import replace
+
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.run import Run
+from hst_drive.model.part import PartModel
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+PUMP = replace(default_rig(), motor=None, loading=None, line=None, relief_valve=None)
+WIDTH, PRESSURE = 0.4, 80e5
+
+
+def bench(offset):
+    """Return a slow rise and fall of the command; the plate stands ``offset`` volts off it."""
+    time = np.arange(0.0, 20.0, 0.01)
+    command = 4.0 + np.interp(time, [0, 1, 8, 12, 20], [0, 0, 1.0, 1.0, -0.5])
+    plate, behind = [], command[0] + offset
+    for value in command:
+        behind = min(max(behind, value - 0.5 * WIDTH), value + 0.5 * WIDTH)
+        plate.append(behind)
+    pump = PUMP.pump
+    flow = pump.displacement(np.array(plate)) * pump.shaft_speed - pump.leakage(PRESSURE, command)
+    return Run('bench', time, {
+        'pump_command': command, 'pump_speed': np.full(len(time), pump.shaft_speed),
+        'pump_outlet_pressure': np.full(len(time), PRESSURE), 'motor_inlet_flow': flow}, 'b.csv')
+
+
+@pytest.mark.parametrize('offset', [-0.2, -0.1, 0.0, 0.2])
+def test_the_plate_rests_where_the_flow_says(offset):
+    model = PartModel(PUMP, {'pump_hysteresis': {'width': WIDTH, 'softness': 0.0, 'spread': 0.0}})
+    run = bench(offset)
+    found = PartReplay(run, model).predict(model).signals['motor_inlet_flow']
+    # What is left is the lag of the displacement in slow ramps.
+    late = np.abs(np.gradient(run['motor_inlet_flow'], run.time)).max() * PUMP.pump.displacement_lag
+    assert np.abs(found - run['motor_inlet_flow']).max() < 1.5 * late
+    assert late < 0.02 * np.ptp(run['motor_inlet_flow'])
