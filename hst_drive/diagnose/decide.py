@@ -12,6 +12,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.judge import excess
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
@@ -118,10 +119,6 @@ def _unit(effect: str, key: str) -> str:
     return catalogue(everything=True)[effect].parameter(key).unit
 
 
-def _excess(ratios: dict[str, float]) -> float:
-    return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
-
-
 def _carries(search: Search, best: Candidate) -> bool:
     """Say whether effects found beside an unknown remove the better part of the error."""
     return any(_fallen(search.campaign.ratios(search.base.errors, held_out),
@@ -132,7 +129,7 @@ def _carries(search: Search, best: Candidate) -> bool:
 def _fallen(before: dict[str, float], after: dict[str, float]) -> bool:
     return any(before[name] > 1.3 and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
                * (before[name]**2 - 1) for name in before) \
-        and _excess(after) < (1 - _MAIN_SHARE) * _excess(before)
+        and excess(after) < (1 - _MAIN_SHARE) * excess(before)
 
 
 def _order(search: Search, best: Candidate) -> list[str]:
@@ -173,8 +170,8 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
 
 
 def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
-    start = _excess(ladder[1].holdout)
-    return [max((_excess(before.holdout) - _excess(after.holdout)) / start, 0.0) if start else 0.0
+    start = excess(ladder[1].holdout)
+    return [max((excess(before.holdout) - excess(after.holdout)) / start, 0.0) if start else 0.0
             for before, after in zip(ladder[1:], ladder[2:])]
 
 

@@ -63,6 +63,11 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
     return Gain(share, sigma, amount, votes)
 
 
+def excess(ratios: Mapping[str, float]) -> float:
+    """Return the squared error beyond the noise, over all signals, in squared floors."""
+    return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
+
+
 def contribution(campaign: Campaign, base: Fit, model: Fit,
                  held_out: bool = True) -> dict[str, float]:
     """Return what the effects of a model do to each signal, rms in floors."""

@@ -10,32 +10,44 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.orders import strongest_orders
 from hst_drive.effects import catalogue
-from hst_drive.measure.turns import start_angle, swinging
+from hst_drive.measure.turns import start_angle, swinging, swings_per_turn
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 _SLOW = 0.5     # s, standard deviation of what is taken away as no swing of a turn
 
 
-def in_step(campaign: Campaign, fitted: Fit) -> None:
-    """Turn all recordings so that what swings with the angle, or may, has one phase in them."""
-    if sum('motor_angle' in replay.inputs for replay in campaign.replays) < 2:
+def in_step(campaign: Campaign, model: Model,
+            errors: Sequence[np.ndarray] | None = None) -> None:
+    """
+    Turn all recordings so that what swings with the angle has one phase in them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Its recordings are turned.
+    model : Model
+        What swings in it decides.
+    errors : sequence of ndarray, optional
+        Of the model (``Campaign.errors``): if nothing swings in it, what swings in them decides.
+
+    """
+    turning = [replay for replay in campaign.replays if 'motor_angle' in replay.inputs]
+    if not turning:
         return
-    drive = campaign.driver(fitted.model)
-    names = swinging(drive)
-    if not names:
-        names = [name for name in campaign.candidates() if catalogue()[name].order]
-        orders = strongest_orders(campaign, fitted.errors)
-        for name in names if orders else ():
-            drive.switch_on(name, {catalogue()[name].order: float(orders[0])})
-    for name in names:
-        for replay in campaign.replays:
-            if name in drive.effects and 'motor_angle' in replay.inputs:
-                replay.turn(start_angle(replay, drive, name))
+    drive = campaign.driver(model)
+    if errors is not None and not swinging(drive):
+        orders = strongest_orders(campaign, errors)
+        for name in campaign.candidates() if orders else ():
+            if order := catalogue()[name].order:
+                drive.switch_on(name, {order: float(orders[0])})
+    for name in swinging(drive):
+        for replay in turning:
+            replay.turn(start_angle(replay, drive, name))
 
 
 def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) -> None:
@@ -55,8 +67,7 @@ def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) ->
     if not any('motor_angle' in replay.inputs for replay in campaign.replays):
         return
     drive = campaign.driver(fitted.model)
-    counts = [drive.effects[name][catalogue(everything=True)[name].order]
-              or drive.rig.motor.pistons for name in swinging(drive)]
+    counts = [swings_per_turn(drive, name) for name in swinging(drive)]
     for replay, size in zip(campaign.replays, sizes):
         if 'motor_angle' in replay.inputs:
             swing = size - gaussian_filter1d(size, _SLOW / replay.run.sample_time)

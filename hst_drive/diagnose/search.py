@@ -63,7 +63,7 @@ class Search:
         self.progress = progress
         self.base = calibrated(campaign)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
-        in_step(campaign, self.base)
+        in_step(campaign, self.base.model, self.base.errors)
         self._known: dict[tuple[str, ...], Candidate] = {}
         self.baseline = Candidate((), self.base, self.score(self.base))
 
@@ -199,8 +199,7 @@ class Search:
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""
         refined = candidate
-        if any(catalogue(everything=True)[name].order for name in candidate.names):
-            in_step(self.campaign, candidate.fit)
+        in_step(self.campaign, candidate.fit.model)
         for _ in range(_ROUNDS):
             before = refined.fit.cost
             found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)

@@ -17,7 +17,7 @@ from hst_drive.diagnose.answers import (
     Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import contribution, FORM_SHARE, PRACTICAL
+from hst_drive.diagnose.judge import contribution, excess, FORM_SHARE, PRACTICAL
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
@@ -184,8 +184,8 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
 def _much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
     if not search.unexplained(best._replace(fit=fitted)):
         return False
-    before, after = (sum(max(value**2 - 1.0, 0.0) for value in search.campaign.ratios(
-        entry.errors, True).values()) for entry in (best.fit, fitted))
+    before, after = (excess(search.campaign.ratios(entry.errors, True))
+                     for entry in (best.fit, fitted))
     return after > FORM_SHARE * before
 
 

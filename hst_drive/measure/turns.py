@@ -30,6 +30,12 @@ def swinging(drive: Drive) -> list[str]:
     return [name for name in drive.effects if known[name].order]
 
 
+def swings_per_turn(drive: Drive, name: str) -> float:
+    """Return how often in a turn an effect swings that is on."""
+    order = catalogue(everything=True)[name].order
+    return drive.effects[name][order] or drive.rig.motor.pistons or _PISTONS
+
+
 def start_angle(replay: Replay, drive: Drive, name: str) -> float:
     """
     Return by how much further the shaft stood at the start than the replay has it.
@@ -50,7 +56,7 @@ def start_angle(replay: Replay, drive: Drive, name: str) -> float:
 
     """
     effect, values = catalogue(everything=True)[name], drive.effects[name]
-    count = values[effect.order] or drive.rig.motor.pistons or _PISTONS
+    count = swings_per_turn(drive, name)
     still, later = copy.copy(drive), copy.copy(replay)
     still.parameters, still.switches = drive.parameters.copy(), drive.switches.copy()
     still.effects = dict(drive.effects)

@@ -16,6 +16,7 @@ from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.part import campaign_of
+from hst_drive.diagnose.phases import in_step
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare, LogComparison, model_of
@@ -113,7 +114,7 @@ class Workbench:
         """
         self.base.rig(model)
         campaign = self.campaign
-        errors = campaign.errors(_campaign_model(model))
+        errors = self._errors(model)
         found = {name: {'ratio': math.sqrt(total / count)} for name, (total, count)
                  in self._squares(errors).items() if count}
         self._judge(found, errors)
@@ -163,8 +164,13 @@ class Workbench:
 
         """
         found = pooled(self.compared(model, range(len(self.runs)), stale))
-        self._judge(found, self.campaign.errors(_campaign_model(model)))
+        self._judge(found, self._errors(model))
         return found
+
+    def _errors(self, model: PageModel) -> list[np.ndarray]:
+        whole = _campaign_model(model)
+        in_step(self.campaign, whole)
+        return self.campaign.errors(whole)
 
     def fit(self, model: PageModel, locked: Iterable[tuple[str, str]], unit: bool,
             progress: Callable[[str], None]) -> PageModel:
@@ -184,6 +190,7 @@ class Workbench:
 
         """
         self.base.rig(model)
+        in_step(self.campaign, _campaign_model(model))
         kept = {*locked, *(() if unit else (('', key) for key in self.campaign.tolerances))}
         found = fit(self.campaign, _campaign_model(model), iterations=_FIT_STEPS, kept=kept,
                     progress=progress).model

@@ -82,6 +82,18 @@ def test_the_quick_answer_is_near_and_judges_alike(bench):
             assert np.max(np.abs(values - curves[name])) < 0.03 * spread
 
 
+def test_logs_that_begin_at_other_angles_are_turned_into_step(tmp_path):
+    ripple = {'piston_ripple': {'cosine': 0.008, 'sine': 0.004}}
+    for place, seed in enumerate((3, 4), 1):
+        run = record(seed, duration=12.0, effects=ripple)
+        write_csv(tmp_path / f'{seed}.csv', run.between(0.17 * place, run.time[-1]))
+    bench = bench_of([tmp_path / '3.csv', tmp_path / '4.csv'])
+    log, quick = bench.quick(PageModel(ripple), 0)
+    exact = bench.errors(PageModel(ripple))
+    for name, entry in exact.items():
+        assert entry['ratio'] < 1.5 and quick[name]['ratio'] < 1.5
+
+
 def test_a_fit_finds_the_size(bench):
     start = PageModel({'motor_leakage': {'conductance': 4e-13}})
     told = []
