@@ -16,7 +16,8 @@ from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_l
 from hst_drive.cli.output import add_json_argument, MISSING, say, size, table, write_json
 
 if TYPE_CHECKING:
-    from hst_drive.diagnose.result import Diagnosis, Unknown
+    from hst_drive.diagnose.result import Diagnosis, Unknown, Value
+    from hst_drive.effects.base import Parameter
 
 HELP = 'say which physical effect the model lacks, how large it is and how sure that is'
 
@@ -83,11 +84,7 @@ def text(result: Diagnosis, short: bool = False) -> str:
     if result.unknown and result.unknown.expression:
         unknown = result.unknown
         lines += ['', f'the unknown enters at: {unknown.enters.replace("_", " ")}, seen in '
-                  f'{unknown.signal}', f'depends on: {", ".join(unknown.depends_on) or "-"}',
-                  f'formula: {unknown.expression}',
-                  *([f'it explains {100 * unknown.explained:.0f} % of what is left there']
-                    if unknown.terms else []),
-                  _worth(unknown)]
+                  f'{unknown.signal}', *_described(unknown)]
     if short:
         return '\n'.join(lines)
     if result.rivals:
@@ -119,9 +116,17 @@ def _effects(result: Diagnosis) -> str:
             value = entry.parameters[parameter.name]
             (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
             rows.append([entry.id if place == 0 else '', parameter.name, middle,
-                         f'{low} to {high}' if value.low < value.high else 'not fitted', unit,
+                         _interval(value, parameter, low, high), unit,
                          f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
+
+
+def _interval(value: Value, parameter: Parameter, low: str, high: str) -> str:
+    if value.low >= value.high:
+        return 'not fitted'
+    if value.low <= parameter.low and value.high >= parameter.high:
+        return 'not determined'
+    return f'{low} to {high}'
 
 
 def _ladder(result: Diagnosis) -> str:
@@ -150,6 +155,16 @@ def _smallest(result: Diagnosis) -> str:
         parameter = catalogue()[name].parameters[0]
         rows.append([name, parameter.name, *size(smallest, parameter.unit, 3)])
     return table(['effect', 'parameter', 'size', 'unit'], rows)
+
+
+def _described(unknown: Unknown) -> list[str]:
+    """Say on what the unknown depends and what formula holds, as far as that is known."""
+    on = [f'depends on: {", ".join(unknown.depends_on)}'] if unknown.depends_on else []
+    if not unknown.terms and not unknown.formula:
+        return [*on, f'what it is: {unknown.expression}']
+    return [*on, f'formula: {unknown.expression}',
+            *([f'it explains {100 * unknown.explained:.0f} % of what is left there']
+              if unknown.terms else []), _worth(unknown)]
 
 
 def _worth(unknown: Unknown) -> str:

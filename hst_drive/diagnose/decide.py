@@ -230,7 +230,7 @@ def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], re
     if not signal:
         return 'There is nothing to judge.'
     title = CHANNELS[signal].title
-    lacks = ' and '.join(
+    lacks = ('; and ' if any(entry.indistinguishable_from for entry in effects) else ' and ').join(
         f'{entry.id} ({catalogue()[entry.id].title})' + (
             f", or {' or '.join(entry.indistinguishable_from)} in its place"
             if entry.indistinguishable_from else '') for entry in effects)
