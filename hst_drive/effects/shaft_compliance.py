@@ -38,7 +38,7 @@ EFFECT = Effect(
                   'part of the inertia that lies behind the shaft', neutral=USUAL_SHARE),
         Parameter('hardening', '1/rad^2', 0.0, 50.0, 0.1,
                   'how much stiffer a twisted shaft is: rubber couplings, threads that close'),
-        Parameter('damping_time', 's', 0.0, 0.03, USUAL_DAMPING_TIME,
+        Parameter('damping_time', 's', 0.0, 0.1, USUAL_DAMPING_TIME,
                   'damping of the shaft over its stiffness', neutral=USUAL_DAMPING_TIME),
     ),
     # Ringing in step and out of step with the measured one: a valley each.

@@ -17,7 +17,7 @@ from hst_drive.measure.start import first_state
 from hst_drive.model import Drive
 import numpy as np
 
-_KEEP = 2               # simulations; a flexible shaft needs one more on the way
+_KEEP = 2               # simulations
 LONG = 600.0            # s; up to it the whole recording is drawn
 _STRETCHES = 10
 _STRETCH = 60.0         # s

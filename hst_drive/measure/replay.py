@@ -17,6 +17,7 @@ from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
+from hst_drive.measure.shaft import behind, load_side, LoadSide, read
 from hst_drive.measure.start import first_state
 from hst_drive.measure.turns import start_angle, swinging
 from hst_drive.model import Drive, usual_sensors
@@ -34,6 +35,7 @@ _STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
 _STANDSTILL, _CREEPING = 0.1, 0.5
+_FASTER = 0.1       # rad/s, for the slope of the load
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
@@ -180,8 +182,8 @@ class Replay:
     def _speed_behind(self, drive: Drive) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it that is late."""
         speed = self._speed
-        for lag in drive.speed_reading_lags:
-            speed = self.readings.ahead(speed, lag)
+        for slot in ('speed_reading_lag', 'speed_reading_series_lag'):
+            speed = self.readings.ahead(speed, drive.slot(slot))
         return speed
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
@@ -261,15 +263,26 @@ class Replay:
     def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         rest = self._unexplained(load)
         if drive.has_flexible_shaft:
-            # The sensor feels the inertia behind the shaft, which is no load.
+            faster = self._load_model(drive, self._speed + _FASTER)
+            side = load_side(drive, self._measured, float(np.median(faster - load)) / _FASTER)
+        else:
+            side = None
+        if side:
+            rest = self._of_the_shaft(side, load, rest)
             slow = self.readings.slow(rest)
-            rest = rest - self._behind_shaft(drive, self._simulate(drive, slow), slow)
+            return slow + behind(side, self.run.sample_time, rest - slow, self.roughness)
         # Most effects leave the load as it is: then it need not be smoothed anew.
         known = self._smoothed
         if known is None or not np.array_equal(known[0], rest):
             slow = self.readings.slow(rest)
             known = self._smoothed = rest, slow + self._smoother(rest - slow)
         return known[1]
+
+    def _of_the_shaft(self, side: LoadSide, load: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        """Return the reading (N.m) without the shaft's share: the inertia that it moves."""
+        step = self.run.sample_time
+        moved = read(side, step, load + side.inertia * np.gradient(self._speed, self.run.time))
+        return np.where(self._turning, rest + load - moved, 0.0)
 
     def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
                       added: np.ndarray) -> np.ndarray:

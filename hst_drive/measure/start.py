@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping
 
+from hst_drive.measure.shaft import compliance_at
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
@@ -59,7 +60,10 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
             flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
                     + shown['case_drain_flow'] - shown['pump_flow'])
             state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
-    state[5] = state[7] = state[2]
+    state[5] = state[7] = state[13] = state[2]
+    if drive.has_flexible_shaft:
+        load = _first_torque(drive, first, inputs, torque, state[2])
+        state[6] = compliance_at(drive, load) * load
     # A plate with play rests where the flow says, not where the command says.
     state[9] = commands['pump_command']
     state[8] = state[11] = np.interp(state[0], pump.displacement.y, pump.displacement.x)

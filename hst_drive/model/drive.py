@@ -109,14 +109,15 @@ class Drive:
         known = catalogue(everything=True)
         return any(known[name].slot == 'shaft_compliance' for name in self.effects)
 
-    @property
-    def speed_reading_lags(self) -> list[float]:
-        """Lags of the speed reading, s, that stand behind each other."""
-        known = catalogue(everything=True)
-        return [function(*(self.effects[name][key] for key in arguments(function)))
-                for name in self.effects for slot, function in known[name].terms
-                if slot in ('speed_reading_lag', 'speed_reading_series_lag')
-                and set(arguments(function)) <= set(self.effects[name])]
+    def slot(self, slot: str, **known: float) -> float:
+        """Return the sum of the effects at a slot, but for those that read what is not given."""
+        total = 0.0
+        for name, values in self.effects.items():
+            for place, function in catalogue(everything=True)[name].terms:
+                given = {**known, **values}
+                if place == slot and set(arguments(function)) <= set(given):
+                    total += function(*(given[key] for key in arguments(function)))
+        return total
 
     def scale(self, factors: Mapping[str, float]) -> None:
         """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""

@@ -41,6 +41,20 @@ def test_a_perfect_model_reaches_the_floor(settings):
 
 
 @pytest.mark.needs_numba
+@pytest.mark.parametrize('roughness', [0.0, 0.5, 1.5])
+@pytest.mark.parametrize('compliance, share, damping_time', [
+    (1 / 400, 0.6, 0.004), (1 / 1200, 0.5, 0.002), (1 / 250, 0.7, 0.016)])
+def test_rough_rock_behind_a_flexible_shaft(compliance, share, damping_time, roughness):
+    """The sensor feels the shaft swing; what shakes it is the load behind."""
+    effects = {'shaft_compliance': {'compliance': compliance, 'load_side_share': share,
+                                    'hardening': 0.0, 'damping_time': damping_time}}
+    runs = [record(seed, effects=effects, roughness=roughness, rate=200) for seed in (20, 21)]
+    found = compare(Drive(RIG, effects), runs).signals
+    for name in ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed'):
+        assert found[name].noise_ratio < 1.4, name
+
+
+@pytest.mark.needs_numba
 @pytest.mark.parametrize('series', [0.0, 0.4])
 def test_a_late_reading_of_the_speed_does_not_spoil_the_load(series):
     """The load depends on the speed that there was, not on what was read."""
