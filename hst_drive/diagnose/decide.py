@@ -102,7 +102,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
               f"be missing{', too small to tell' if verdict == 'none' else ' as well'}."
               for entry in moved if verdict != 'unknown' and entry.at_limit),
-            *(f'{name} {entry.told}.' for name, entry in better.items()),
+            *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
+              f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])]),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen

@@ -36,6 +36,7 @@ _SURE = 5.0
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 _PATIENT = 8            # steps of the fit that gives an effect the same chance
 _ROUNDS = 2             # of the answer and the unit in turn
+_WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
 
@@ -62,6 +63,12 @@ _FREER = {
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
                 'flow reading [m^3/s]', (), 0.0)),
 }
+# In the place of several effects that pressure shows: together they imitate much.
+_SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
+_OF_WARMTH = Freer('a torque that goes with the oil temperature alone', 'formula_torque',
+                   ((), ('warmth',), ('warmth', 'warmth')),
+                   Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
+                           'torque of the hydromotor [N.m]', (), 0.0))
 # The same beside all that was found: rough rock hides what comes back with each turn.
 _BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
                 (('torque', 'cosine'), ('torque', 'sine')))
@@ -112,20 +119,40 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
         # The fit may have ended in another valley: the effect gets the same chance.
         beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
         if beaten:
-            found[name] = Stranger(f'comes near, but {trial.what} in its place leaves '
-                                   f'{_share(beaten)}', _told_as(search, best, name, trial))
-    return found
+            found[name] = Stranger(
+                f'comes near, but {trial.what} in its place leaves {_share(beaten)}',
+                _told_as(search, best, [name], trial, _FREER.get(catalogue()[name].slot)))
+    return found or _of_warmth(search, best)
 
 
-def _told_as(search: Search, best: Candidate, name: str, trial: Trial) -> Unknown | None:
+def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
+    """Return the effects in whose common place a torque of the oil's temperature fits better."""
+    names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
+    if len(names) < 2 or not _WARMED_UP <= np.ptp(np.concatenate(
+            [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
+        return {}
+    model = best.fit.model
+    for name in names:
+        model = model.without(name)
+    trial = _fitted(search.campaign, model, _OF_WARMTH)
+    beaten = _beaten(search, best, trial.fit) if trial else None
+    if not beaten:
+        return {}
+    unknown = _told_as(search, best, names, trial, _OF_WARMTH)
+    return dict.fromkeys(names, Stranger(
+        f'together come near, but {trial.what} in their place leaves {_share(beaten)}', unknown))
+
+
+def _told_as(search: Search, best: Candidate, names: Collection[str], trial: Trial,
+             freer: Freer | None) -> Unknown | None:
     """Return what a trial would be told as, with the formula to adopt."""
-    if trial.unknown is None or not trial.formula:
+    if trial.unknown is None or not trial.formula or not freer:
         return trial.unknown
-    bare = without(search, best, [name]).fit
-    own, terms = trial.fit.model.effects[trial.formula], _FREER[catalogue()[name].slot].terms
-    summed = ' + '.join(f"{own[f'coefficient_{place}']:.3g} * "
-                        f"{' * '.join(TEXTS[variable] for variable in term)}"
-                        for place, term in enumerate(terms, 1))
+    bare = without(search, best, names).fit
+    own = trial.fit.model.effects[trial.formula]
+    summed = ' + '.join(' * '.join([f"{own[f'coefficient_{place}']:.3g}",
+                                    *(TEXTS[variable] for variable in term)])
+                        for place, term in enumerate(freer.terms, 1))
     return trial.unknown._replace(
         expression=f'{trial.unknown.expression} += {summed}',
         formula=worth(search.campaign, bare, Carried(

@@ -76,6 +76,24 @@ def test_bent_flow_meter_is_told_with_a_formula_to_adopt():
     assert found.formula.before['motor_inlet_flow'] > found.formula.after['motor_inlet_flow']
 
 
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('hidden, beaten', [
+    ({'temperature_friction': 1.2}, True), ({'bearing_friction': 0.8, 'viscous_drag': 0.8}, False),
+    ({'back_pressure': 0.8, 'stribeck_friction': 1.2}, False)])
+def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(hidden, beaten):
+    search = Search(Campaign(*as_runs(make_campaign(46, hidden))), (
+        'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
+        'back_pressure'))
+    best = search.run()
+    found = strangers(search, best)
+    assert bool(found) is beaten
+    if beaten:
+        assert set(found) == set(best.names) and len(best.names) > 1
+        unknown = found[best.names[0]].unknown
+        assert (unknown.enters, unknown.depends_on) == ('torque', ('oil_temperature',))
+        assert unknown.formula.after['pump_outlet_pressure'] < 1.25
+
+
 def beside_nothing(hidden, **options):
     """Return what is told where no effect is searched."""
     search = Search(Campaign(*as_runs(make_campaign(43, hidden, **options))), ())
