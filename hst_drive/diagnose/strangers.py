@@ -204,7 +204,8 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
     found = [np.zeros(len(replay.run)) for replay in campaign.replays]
     for error, column in zip(fitted.errors, campaign.columns):
         if column.signal == campaign.replays[column.log].torque:
-            found[column.log] = -error * column.trust
+            read = np.concatenate([column.fit, column.judge])
+            found[column.log][read] = -(error * column.trust)[read]
     return found
 
 
