@@ -179,7 +179,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
                                          errors_at)
         step_taken = False
-        for _ in range(3):
+        for _ in range(6):
             trial = _step(campaign, unknowns, vector, errors, jacobian, damping, trimmed)
             trial_errors = errors_at(trial)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)

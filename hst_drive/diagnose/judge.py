@@ -17,7 +17,7 @@ import numpy as np
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
 _IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
-_IN_EVENTS = 0.5        # the same where it shows in a few blocks
+IN_EVENTS = 0.5        # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
@@ -115,7 +115,7 @@ def worthwhile_in_part(found: Gain, done: Mapping[str, float]) -> bool:
     """
     return worthwhile(found, done, _IN_SAMPLE) or (
         unharmed(found)
-        and worthwhile(found._replace(sigma=found.votes), done, _IN_EVENTS))
+        and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS))
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],

@@ -29,6 +29,7 @@ _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNI
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _ALIKE = 1e-3       # of the cost: two starts that differ by less lead to the same place
 _NEAR = 1.5         # of the best start's cost
+_NEARLY = 1.2       # of the best set's score
 _ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
@@ -259,7 +260,9 @@ class Search:
         """Return the set of effects that the data ask for; it may be empty."""
         best, beam, asked = self.baseline, self.singles()[:_BEAM], self.worthwhile
         while beam:
-            top = self.refine(beam[0])
+            # Which of two that are near each other is the better one their own Jacobians tell.
+            top = min((self.refine(entry) for entry in beam
+                       if entry.score <= _NEARLY * beam[0].score), key=lambda item: item.score)
             if top.score >= best.score or not asked(best, top):
                 top = self._together(best, beam)
                 if top is None:

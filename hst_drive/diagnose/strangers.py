@@ -17,7 +17,8 @@ from hst_drive.diagnose.answers import (
     Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import contribution, excess, FORM_SHARE, PRACTICAL
+from hst_drive.diagnose.judge import (
+    contribution, excess, FORM_SHARE, IN_EVENTS, PRACTICAL, SIGNIFICANT)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
@@ -242,7 +243,10 @@ def _beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] |
         done = contribution(search.campaign, search.base, best.fit, held_out)
         lost = -sum(min(amount, 0.0) for amount in found.amount.values())
         for name, share in found.share.items():
-            if share >= PRACTICAL and found.sigma[name] >= _SURE and found.amount[name] >= max(
+            # A few quick steps may be all that shows how a pump answers: then blocks count.
+            sure = found.sigma[name] >= _SURE or (
+                share >= IN_EVENTS and found.votes[name] >= SIGNIFICANT)
+            if share >= PRACTICAL and sure and found.amount[name] >= max(
                     (FORM_SHARE * done[name])**2, _DEARER * lost):
                 shares[name] = max(share, shares.get(name, 0.0))
     return max(shares.items(), key=lambda item: item[1], default=None)
