@@ -13,8 +13,11 @@ from typing import Any, Callable, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.measure.run import CHANNELS
+from hst_drive.model.part import follow
 from hst_drive.rig.rig import Pump
 import numpy as np
+
+_NO_LAG = 1e-3      # s: a pump that the datasheet gives no lag
 
 
 class Answer(NamedTuple):
@@ -60,16 +63,12 @@ def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> n
 def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
                     slower: float) -> np.ndarray:
     """Return the command for a plate whose lag is longer on the way down, or if < 0 up."""
-    steps = np.diff(time)
-    shares = [-np.expm1(-steps / (pump.displacement_lag * factor)) for factor in (
-        1.0 + max(-slower, 0.0), 1.0 + max(slower, 0.0), 1.0)]
-    aims = pump.displacement(command).tolist()
-    found, reached = [], aims[0]
-    for aim, up, down, usual in zip(aims, *(share.tolist() for share in shares)):
-        moved = (aim - reached) * (up if aim > reached else down)
-        found.append(reached + moved / usual)
-        reached += moved
-    return np.interp(found + aims[-1:], pump.displacement.y, pump.displacement.x)
+    usual = max(pump.displacement_lag, _NO_LAG)
+    aims = pump.displacement(command)
+    reached = follow(time, aims, usual * (1.0 + max(-slower, 0.0)),
+                     back_lag=usual * (1.0 + max(slower, 0.0)))
+    needed = reached[:-1] + np.diff(reached) / -np.expm1(-np.diff(time) / usual)
+    return pump.command_of(np.append(needed, aims[-1]))
 
 
 def reads_late(signal: str) -> Answer:

@@ -12,7 +12,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import excess
+from hst_drive.diagnose.judge import CLEAN_FITTED, excess
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
@@ -71,14 +71,15 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)
-    more = None if better else beside(search, best)
+    more = None if better else beside(search, best, left)
     doubt = bool(more or better)
-    remaining = unknowns.describe(campaign, best.fit, doubt) if left or doubt else None
     if left and best.names and not _carries(search, best):
         best = search.baseline
-        remaining = unknowns.describe(campaign, best.fit)
+    campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
-                      if entry.unknown), remaining)
+                      if entry.unknown), None)
+    if not remaining and (left or doubt):
+        remaining = unknowns.describe(campaign, best.fit, doubt)
     drifting = [entry for entry in drifting if entry.channel in left]
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
@@ -91,7 +92,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
-    verdict = ('unknown' if left or remaining else 'none' if not effects
+    verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
         verdict=verdict, sentence=' '.join([
@@ -128,7 +129,7 @@ def _carries(search: Search, best: Candidate) -> bool:
 
 
 def _fallen(before: dict[str, float], after: dict[str, float]) -> bool:
-    return any(before[name] > 1.3 and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
+    return any(before[name] > CLEAN_FITTED and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
                * (before[name]**2 - 1) for name in before) \
         and excess(after) < (1 - _MAIN_SHARE) * excess(before)
 
@@ -198,6 +199,8 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
             continue
         candidate = search.single(entry.id)
         found = search.gain(candidate, best)
+        if not found.share:
+            continue    # too little is held out
         worst = max(found.share, key=lambda key: found.share[key])
         ratios = search.campaign.ratios(candidate.fit.errors, True)
         told[entry.id] = (f'leaves {CHANNELS[worst].title} at {ratios[worst]:.1f} times the '

@@ -12,6 +12,7 @@ from itertools import count as count_from
 from typing import Callable, Collection, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.judge import excess
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.formula import FORMULAS
 import numpy as np
@@ -211,10 +212,11 @@ def calibrated(campaign: Campaign) -> Fit:
     the effects. What comes back is no event, but physics that shows only there.
     """
     plain = fit(campaign, Model(), iterations=5, refresh=True)
-    if _excess(campaign, plain) < _FITS:
+    if excess(campaign.ratios(plain.errors, False)) < _FITS:
         return plain
     trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
-    alone = _excess(campaign, trimmed) < _FITS and _is_one_event(campaign, trimmed)
+    alone = (excess(campaign.ratios(trimmed.errors, False)) < _FITS
+             and _is_one_event(campaign, trimmed))
     return trimmed if alone else plain
 
 
@@ -223,11 +225,6 @@ def _is_one_event(campaign: Campaign, fitted: Fit) -> bool:
     worst = np.nanmax(list(campaign.blocks(fitted.errors, False).values()), axis=0)
     hot = np.flatnonzero(worst > _HOT)
     return len(hot) == 0 or int(hot[-1] - hot[0]) < _LONGEST
-
-
-def _excess(campaign: Campaign, fitted: Fit) -> float:
-    return sum(max(value**2 - 1.0, 0.0)
-               for value in campaign.ratios(fitted.errors, False).values())
 
 
 def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,

@@ -9,11 +9,13 @@ block, and an improvement must be both significant and large enough to matter.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from typing import Mapping, NamedTuple, TYPE_CHECKING
 
 from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit
 import numpy as np
+
+if TYPE_CHECKING:
+    from hst_drive.diagnose.fit import Fit
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
 _IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
@@ -21,6 +23,7 @@ IN_EVENTS = 0.5        # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
+AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 _CLEAR = 0.5            # squared floors, by which a block's error clearly changes

@@ -11,11 +11,9 @@ they are the better answer.
 """
 from __future__ import annotations
 
-from hst_drive.diagnose.judge import SIGNIFICANT
+from hst_drive.diagnose.judge import AT_NOISE, CLEAN_FITTED, SIGNIFICANT
 from hst_drive.diagnose.search import Candidate, Search
 
-_CLEAN = 1.15       # noise ratio that a pair must reach in all signals
-_LEFT = 1.3         # noise ratio, on both kinds of logs, that raises the question
 _SINGLES = 6        # that are combined, the best ones
 _SHARE = 0.3        # of that signal's squared error, which the pair must take on both
 
@@ -30,7 +28,7 @@ def pair_instead(search: Search, best: Candidate) -> Candidate:
     pair = search.refine(pairs[0]) if pairs else best
     ratios = [search.campaign.ratios(pair.fit.errors, held_out) for held_out in (False, True)]
     gains = [search.gain(best, pair, held_out) for held_out in (False, True)]
-    clean = all(value <= _CLEAN for found in ratios for value in found.values())
+    clean = all(value <= AT_NOISE for found in ratios for value in found.values())
     sure = all(found.share[name] >= _SHARE and found.sigma[name] >= SIGNIFICANT
                for found in gains for name in left if name in found.share)
     return pair if clean and sure else best
@@ -40,4 +38,4 @@ def _left(search: Search, best: Candidate) -> list[str]:
     """Return the signals that stay well above the noise, fitted and held out."""
     fitted, held_out = (search.campaign.ratios(best.fit.errors, kind) for kind in (False, True))
     return [name for name, value in held_out.items()
-            if min(value, fitted.get(name, 0.0)) > _LEFT]
+            if min(value, fitted.get(name, 0.0)) > CLEAN_FITTED]

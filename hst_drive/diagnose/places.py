@@ -15,6 +15,7 @@ from typing import Container, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.judge import AT_NOISE
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.errors import InputError
 from hst_drive.measure.part import PartReplay
@@ -23,7 +24,6 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
-_NOISE = 1.15       # noise ratio up to which nothing is left in a signal
 _QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
 _PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
@@ -158,7 +158,8 @@ def locate(campaign: Campaign, model: Fit) -> Place | None:
     best, most = None, 0.0
     kinds = [campaign.ratios(model.errors, held_out) for held_out in (True, False)]
     # Not where all that it moves is down to the noise while other signals are not.
-    open_ = {name for name in kinds[0] if max(kind.get(name, 0.0) for kind in kinds) > _NOISE}
+    open_ = {name for name in {**kinds[0], **kinds[1]}
+             if max(kind.get(name, 0.0) for kind in kinds) > AT_NOISE}
     for place in places(campaign):
         if open_ and not open_ & set(place.moves):
             continue
@@ -219,4 +220,7 @@ def _from_balance(campaign: Campaign, model: Fit, place: Place, index: int) -> n
                    if balance == place.balance), None)
     if signal is None or replay.static:
         return None
+    own = campaign.replays[index].inputs.get('motor_angle')
+    if own is not None and 'motor_angle' in replay.inputs:
+        replay.turn(float(own[0] - replay.inputs['motor_angle'][0]))
     return place.sign * (replay.run[signal] - replay.predict(part).signals[signal])

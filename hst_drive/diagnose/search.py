@@ -64,7 +64,7 @@ class Search:
         self.progress = progress
         self.base = calibrated(campaign)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
-        in_step(campaign, self.base.model, self.base.errors)
+        self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self._known: dict[tuple[str, ...], Candidate] = {}
         self.baseline = Candidate((), self.base, self.score(self.base))
 
@@ -200,7 +200,7 @@ class Search:
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""
         refined = candidate
-        in_step(self.campaign, candidate.fit.model)
+        self.campaign = in_step(self.campaign, candidate.fit.model)
         for _ in range(_ROUNDS):
             before = refined.fit.cost
             found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)

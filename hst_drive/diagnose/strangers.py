@@ -117,9 +117,7 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
         if not trials:
             continue
         trial = min(trials, key=lambda item: score(search.campaign, item.fit))
-        # The fit may have ended in another valley: the effect gets the same chance.
-        beaten = _beaten(search, _again(search, best, name, trial.fit), trial.fit)
-        if beaten:
+        if beaten := _sure(search, best, trial.fit):
             found[name] = Stranger(
                 f'comes near, but {trial.what} in its place leaves {_share(beaten)}',
                 _told_as(search, best, [name], trial, _FREER.get(catalogue()[name].slot)))
@@ -136,7 +134,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     for name in names:
         model = model.without(name)
     trial = _fitted(search.campaign, model, _OF_WARMTH)
-    beaten = _beaten(search, best, trial.fit) if trial else None
+    beaten = trial and _sure(search, best, trial.fit)
     if not beaten:
         return {}
     unknown = _told_as(search, best, names, trial, _OF_WARMTH)
@@ -156,29 +154,29 @@ def _told_as(search: Search, best: Candidate, names: Collection[str], trial: Tri
                         for place, term in enumerate(freer.terms, 1))
     return trial.unknown._replace(
         expression=f'{trial.unknown.expression} += {summed}',
-        formula=worth(search.campaign, bare, Carried(
-            trial.formula, trial.fit, score(search.campaign, trial.fit))))
+        formula=worth(search.campaign, bare, Carried(trial.formula, trial.fit)))
 
 
-def _again(search: Search, best: Candidate, name: str, stranger: Fit) -> Candidate:
-    """Fit a set from where the stranger ended that stood in the place of one of its effects."""
+def _sure(search: Search, best: Candidate, stranger: Fit) -> tuple[str, float] | None:
+    """Ask ``_beaten`` once the set has had the same chance: fitted from where that ended."""
+    if not _beaten(search, best, stranger):
+        return None
     effects = {key: stranger.model.effects.get(key, own)
                for key, own in best.fit.model.effects.items()}
     fitted = fit(search.campaign, Model(effects, stranger.model.factors), iterations=_PATIENT)
     again = Candidate(best.names, fitted, score(search.campaign, fitted))
-    return min(best, again, key=lambda item: item.score)
+    return _beaten(search, min(best, again, key=lambda item: item.score), stranger)
 
 
-def beside(search: Search, best: Candidate) -> Stranger | None:
+def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:
     """
     Return what fits better beside a set and is not listed; None if nothing does.
 
-    Where nothing seems to be left, a rough load, or the unit's own lag, may still hide it from
-    the noise ratio.
+    ``left`` are the signals that the set leaves unexplained. Where nothing seems to be left, a
+    rough load, or the unit's own lag, may still hide it from the noise ratio.
     """
     if isinstance(search.campaign, PartCampaign):
         return None
-    left = search.unexplained(best)
     for trial in _beside(search, best, left):
         beaten = _beaten(search, best, trial.fit)
         # Who says better what is left than its place and a formula do explains it.
@@ -192,10 +190,10 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     # A dead time of a few milliseconds may be the logger's.
     for answer in (ONE_WAY_SLOWER, *([DEAD_TIME, *late] if left else [])):
         yield _answered(search, best.fit, answer)
-    once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
+    turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = _fitted(search.campaign, best.fit.model, _BESIDE, known=search.factors)
+    trial = _fitted(turned, best.fit.model, _BESIDE, known=search.factors)
     if trial:
         yield trial
 

@@ -33,7 +33,6 @@ class Carried(NamedTuple):
 
     name: str
     fit: Fit
-    score: float
 
 
 def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | None:
@@ -60,7 +59,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     if place is None:
         return None
     found, used = sizes(campaign, model, place)
-    once_a_turn(campaign, model, found)
+    campaign = once_a_turn(campaign, model, found)
     data = samples(campaign, model, place, found, used)
     depends = depends_on(data)
     terms, explained = regress(data, lambda name: True)
@@ -72,7 +71,8 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
             campaign, PartCampaign) and only_read(campaign, model, place.moves):
         per_torque = -place.moves[place.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
-        if reading and reading.score < min(carried.score, _AT_NOISE * _noise(campaign)):
+        if reading and score(campaign, reading.fit) < min(
+                score(campaign, carried.fit), _AT_NOISE * _noise(campaign)):
             # The same error with the leakage unmoved: the reading is off, not the torque. Then
             # nothing else may be left: what moves with it is no error of a sensor.
             carried = reading
@@ -124,7 +124,7 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
         return None
     fitted = fit(campaign, Model({**model.model.effects, name: start}, model.model.factors),
                  iterations=4, refresh=True)
-    return Carried(name, fitted, score(campaign, fitted))
+    return Carried(name, fitted)
 
 
 def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import inspect
 import math
-from typing import Any, Callable, Collection, NamedTuple
+from typing import Any, Callable, Collection, Mapping, NamedTuple
 
 
 class Slot(NamedTuple):
@@ -163,6 +163,10 @@ class Effect:
     order : str
         Parameter that counts swings per turn of the hydromotor; a diagnosis reads it off the
         recordings.
+    swings : callable
+        From its parameters (a mapping) and the hydromotor's pistons: how often in a turn it
+        swings with the angle of the shaft (0: never), and its parameters without that swing. So
+        recordings that begin at different angles are turned into step.
     gauge : str
         What would measure it by itself, for advice where no channel of a drive does.
     searched : str
@@ -189,6 +193,7 @@ class Effect:
     formula_error: float = 0.18
     starts: tuple[dict[str, float], ...] = ()
     order: str = ''
+    swings: Callable[[Mapping[str, float], int], tuple[float, dict[str, float]]] | None = None
     gauge: str = ''
     searched: str = 'always'
 

@@ -103,6 +103,15 @@ VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_f
              'formula_flow_reading': ('flow', 'pressure', 'warmth')}
 
 
+def _swings(values, pistons):
+    """Return 1 if a term goes with the angle of the shaft, 0 if none, and what is left then."""
+    still = dict(values)
+    for term in range(1, TERMS + 1):
+        if any(values.get(f'{wave}_{term}') for wave in ('cosine', 'sine')):
+            still[f'coefficient_{term}'] = 0.0
+    return float(still != dict(values)), still
+
+
 def _declare(name: str, title: str, slot: str, function, unit: str, typical: float) -> Effect:
     parameters = []
     for term in range(1, TERMS + 1):
@@ -115,7 +124,8 @@ def _declare(name: str, title: str, slot: str, function, unit: str, typical: flo
     return Effect(name, title, slot, function,
                   f'sum over i = 1..{TERMS} of coefficient_i * {factors}', tuple(parameters),
                   'Whatever a diagnosis left unexplained there.',
-                  'Fitted to the recordings: a description, not physics.', searched='never')
+                  'Fitted to the recordings: a description, not physics.', swings=_swings,
+                  searched='never')
 
 
 FORMULAS: dict[str, Effect] = {effect.id: effect for effect in (

@@ -21,6 +21,12 @@ def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine, cos
     return swing * max(pressure, 0.0) * motor_displacement
 
 
+def swings(values, pistons):
+    """Return how often in a turn it swings, and its parameters without that."""
+    return values['count'] or pistons, {
+        **dict.fromkeys(('cosine', 'sine', 'cosine_2', 'sine_2'), 0.0), 'count': values['count']}
+
+
 EFFECT = Effect(
     id='piston_ripple',
     title='torque ripple at the piston frequency',
@@ -40,6 +46,7 @@ EFFECT = Effect(
                   fixed=True),
     ),
     order='count',
+    swings=swings,
     telltale='Pressure and speed carry a tone whose frequency is the number of pistons times the '
              'rotation.',
     source='N. D. Manring, Hydraulic Control Systems, Wiley 2005, and J. Ivantysyn and M. '

@@ -12,7 +12,8 @@ import numpy as np
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 _TORQUES = ('motor_torque', 'load_torque')
 _SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
-_RESTLESS = 0.1         # mean squared step over variance: more is no record of a motion
+_RESTLESS = 0.3         # of the variance: a motion, even a swing, is told better by two rows before
+_FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
 
@@ -138,7 +139,9 @@ def is_table(run: Run) -> bool:
         if values is None:
             continue
         values = values[np.isfinite(values)]
-        if len(values) > 2 and values.std() > _VARIES * np.max(np.abs(values)):
-            if np.mean(np.diff(values)**2) > _RESTLESS * values.var():
+        if len(values) > _FEW and values.std() > _VARIES * np.max(np.abs(values)):
+            before = np.column_stack([values[1:-1], values[:-2], np.ones(len(values) - 2)])
+            told = before @ np.linalg.lstsq(before, values[2:], rcond=None)[0]
+            if np.mean((values[2:] - told)**2) > _RESTLESS * values.var():
                 return True
     return False

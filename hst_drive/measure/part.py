@@ -20,6 +20,7 @@ from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.start import resting
+from hst_drive.measure.turns import into_step
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 import numpy as np
@@ -91,12 +92,20 @@ class PartReplay:
                 self._channels['oil_temperature'], width)
         self.inputs = {name: self._channels[name] for name in (
             'pump_command', 'pprv_command', 'oil_temperature') if name in used}
+        if 'motor_speed' in used and not self.static:
+            self.inputs['motor_angle'] = turned(run.time, self._channels['motor_speed'])
         self._widths = dict.fromkeys(self.signals, 0.0)
         self._input_noise = {name: self._noise_of(name, model, 0.0) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
         self._widths = {name: self._width(name, model) for name in self.signals}
         self.run = replace(run, channels={
             **run.channels, **{name: self._measured(name) for name in self.signals}})
+        if 'motor_angle' in self.inputs:
+            into_step(self, model)
+
+    def turn(self, angle: float) -> None:
+        """Let the shaft have stood further by an angle (rad) at the start."""
+        self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}
 
     def _noise_of(self, name: str, model: PartModel, unknown: float | None = None) -> float:
         """Return a sensor's noise: from the record, or as stated for a table."""
@@ -204,8 +213,8 @@ class PartReplay:
             'motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature')
             if name in channels}
         known.setdefault('oil_temperature', np.full(len(self.run), model.rig.characterised_at))
-        if 'motor_speed' in channels and not self.static:
-            known['motor_angle'] = turned(self.run.time, self._channels['motor_speed'])
+        if 'motor_angle' in self.inputs:
+            known['motor_angle'] = self.inputs['motor_angle']
         known = model.complete(known)
         source = self._pump_pressure
         if source:
@@ -264,8 +273,9 @@ class PartReplay:
     def _stroke(self, model, known, channels, name) -> np.ndarray:
         if self.static:
             return model.stroke(None, channels['pump_command'], known)
-        return model.stroke(self.run.time, channels['pump_command'],
-                            {**known, **resting(model, known, channels)})
+        if np.any(model.terms('pump_play', known)):
+            known = {**known, **resting(model, known, channels)}
+        return model.stroke(self.run.time, channels['pump_command'], known)
 
     def _delivered(self, model, known, channels, name) -> np.ndarray:
         known = dict(known)

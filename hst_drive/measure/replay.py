@@ -19,7 +19,7 @@ from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import behind, load_side, LoadSide, read
 from hst_drive.measure.start import first_state
-from hst_drive.measure.turns import start_angle, swinging
+from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.drive import turned
 import numpy as np
@@ -35,7 +35,6 @@ _STAMPS = 1e-3  # s
 # rad/s: below the first the sign of the rotation, so of the load, is the noise's; below the
 # second its size still is.
 _STANDSTILL, _CREEPING = 0.1, 0.5
-_FASTER = 0.1       # rad/s, for the slope of the load
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
@@ -115,8 +114,7 @@ class Replay:
             self.stamps = 0.3 * run.sample_time
         self._prepare(drive)
         if 'motor_speed' in run:
-            for name in swinging(drive):
-                self.turn(start_angle(self, drive, name))
+            into_step(self, drive)
 
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""
@@ -172,16 +170,18 @@ class Replay:
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         command = self._finer(self.inputs['pprv_command'], command=True)
         time, speed, temperature = (self._finer(values) for values in (
-            self.run.time, self._speed_behind(drive) if speed is None else speed,
+            self.run.time, self._true_speed(drive) if speed is None else speed,
             self.inputs['oil_temperature']))
         angle = self.inputs.get('motor_angle')
         if angle is not None:
             angle = self._finer(angle)
         return drive.load_torque(time, command, speed, temperature, angle)[::self._parts]
 
-    def _speed_behind(self, drive: Drive) -> np.ndarray:
-        """Return the speed (rad/s) behind a reading of it that is late."""
-        speed = self._speed
+    def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
+        """Return the speed (rad/s) behind a reading of it, by default what was measured."""
+        if reading is None and 'motor_speed' not in self.run and 'motor_inlet_flow' in self.run:
+            return self._speed      # which the flow meter gave
+        speed = self._speed if reading is None else reading
         for slot in ('speed_reading_lag', 'speed_reading_series_lag'):
             speed = self.readings.ahead(speed, drive.slot(slot))
         return speed
@@ -204,16 +204,21 @@ class Replay:
         rest = self._unexplained(self._load_model(drive))
         if 'motor_speed' in self.run:
             # A late reading of the speed would pass for a rough load.
-            moved = self._simulate(drive, self.readings.slow(rest))['motor_speed']
-            moved = self._unexplained(self._load_model(drive, moved))
+            speed = self._simulate(drive, self.readings.slow(rest))['motor_speed']
+            moved = self._unexplained(self._load_model(drive, self._true_speed(drive, speed)))
             late, prompt = (np.std(left - self.readings.slow(left)) for left in (rest, moved))
-            if prompt < _CLEARLY * late:
+            if np.isfinite(speed).all() and prompt < _CLEARLY * late:
                 rest = moved
         self._smoothed = None
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
                     self.readings.noise(name, rest))
         self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
+        sensor = self.readings.sensors.get(name)
+        if drive.has_flexible_shaft and sensor:
+            # The shaft's swings do not look like rock at short lags: they hide the noise.
+            self.roughness = self.roughness._replace(
+                noise_std=max(self.roughness.noise_std, min(sensor.noise_std, noise)))
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True
@@ -263,12 +268,13 @@ class Replay:
     def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         rest = self._unexplained(load)
         if drive.has_flexible_shaft:
-            faster = self._load_model(drive, self._speed + _FASTER)
-            side = load_side(drive, self._measured, float(np.median(faster - load)) / _FASTER)
+            speed = self._true_speed(drive)
+            side = load_side(drive, self._measured,
+                             lambda faster: self._load_model(drive, speed + faster))
         else:
             side = None
         if side:
-            rest = self._of_the_shaft(side, load, rest)
+            rest = self._of_the_shaft(side, load, rest, speed)
             slow = self.readings.slow(rest)
             return slow + behind(side, self.run.sample_time, rest - slow, self.roughness)
         # Most effects leave the load as it is: then it need not be smoothed anew.
@@ -278,16 +284,18 @@ class Replay:
             known = self._smoothed = rest, slow + self._smoother(rest - slow)
         return known[1]
 
-    def _of_the_shaft(self, side: LoadSide, load: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    def _of_the_shaft(self, side: LoadSide, load: np.ndarray, rest: np.ndarray,
+                      speed: np.ndarray) -> np.ndarray:
         """Return the reading (N.m) without the shaft's share: the inertia that it moves."""
         step = self.run.sample_time
-        moved = read(side, step, load + side.inertia * np.gradient(self._speed, self.run.time))
+        moved = read(side, step, load + side.inertia * np.gradient(speed, self.run.time))
         return np.where(self._turning, rest + load - moved, 0.0)
 
     def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
                       added: np.ndarray) -> np.ndarray:
         """Return the torque (N.m) that moves the inertia behind a flexible shaft."""
-        load = self._load_model(drive, signals['motor_speed']) + added
+        speed = self._true_speed(drive, signals['motor_speed'])
+        load = self._load_model(drive, speed) + added
         inertial = np.where(self._turning, signals[self.torque] - load, 0.0)
         # A model that left all bounds must lose, not stop the search.
         return np.nan_to_num(np.clip(inertial, -1e6, 1e6))

@@ -11,15 +11,17 @@ is the load; where G or the load's own spectrum leave nothing but noise it is ta
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 from hst_drive.effects.base import USUAL_DAMPING_TIME, USUAL_SHARE
 from hst_drive.measure.noise import Coloured
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 import numpy as np
+from scipy.optimize import brentq
 
 _ENDS = 0.1     # of a record, mirrored at either end
+_FASTER = 0.1   # rad/s, for the slope of the load
 
 
 class LoadSide(NamedTuple):
@@ -42,20 +44,43 @@ class LoadSide(NamedTuple):
         return top / (self.compliance * (self.inertia * s + self.slope) * s + top)
 
 
-def compliance_at(drive: Drive, torque: float) -> float:
-    """Return the twist per torque (rad/(N.m)) of a drive's shaft that may harden."""
-    twist = drive.slot('shaft_compliance', twist=0.0) * torque
-    return drive.slot('shaft_compliance', twist=twist)
+def twist_at(drive: Drive, torque: float) -> float:
+    """Return the twist (rad) at which a shaft that may harden carries a torque (N.m)."""
+    def missing(twist: float) -> float:
+        return twist - torque * drive.slot('shaft_compliance', twist=twist)
+
+    most = torque * drive.slot('shaft_compliance', twist=0.0)
+    return float(brentq(missing, 0.0, most)) if most > 0.0 and missing(most) > 0.0 else most
 
 
-def load_side(drive: Drive, torque: np.ndarray, slope: float) -> LoadSide | None:
-    """Return what is behind a drive's flexible shaft at a torque (N.m); None if it is stiff."""
-    compliance = compliance_at(drive, float(np.median(np.abs(torque))))
-    if compliance <= 0.0:
+def load_side(drive: Drive, torque: np.ndarray,
+              load_at: Callable[[float], np.ndarray]) -> LoadSide | None:
+    """
+    Return what is behind a drive's flexible shaft; None if that is stiff.
+
+    Parameters
+    ----------
+    drive : Drive
+        The model.
+    torque : ndarray
+        What the sensor reads, N.m; its median is where the shaft stands.
+    load_at : callable
+        Load (N.m) at a speed (rad/s) that is added to the recorded one.
+
+    """
+    twist = twist_at(drive, float(np.median(np.abs(torque))))
+    secant = drive.slot('shaft_compliance', twist=twist)
+    if secant <= 0.0:
         return None
+    near = max(1e-3 * twist, 1e-6)
+    low, high = (at / drive.slot('shaft_compliance', twist=at) for at in (
+        twist - near, twist + near))
+    compliance = 2.0 * near / (high - low)      # of small swings; a hard shaft's is below secant
+    damping_time = USUAL_DAMPING_TIME + drive.slot('shaft_damping_time')
     share = USUAL_SHARE + drive.slot('shaft_load_share')
     return LoadSide(compliance, share * float(drive.parameters[INDEX['inertia']]),
-                    USUAL_DAMPING_TIME + drive.slot('shaft_damping_time'), slope)
+                    damping_time * compliance / secant,
+                    float(np.median(load_at(_FASTER) - load_at(0.0))) / _FASTER)
 
 
 def read(side: LoadSide, step: float, load: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping
 
-from hst_drive.measure.shaft import compliance_at
+from hst_drive.measure.shaft import twist_at
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
@@ -29,7 +29,8 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     first : mapping of str to float
         First sample of the signals that there are, SI.
     inputs : mapping of str to float
-        First 'pump_command', 'pprv_command' (V) and 'oil_temperature' (K).
+        First 'pump_command', 'pprv_command' (V), 'oil_temperature' (K) and, by default 0,
+        'motor_angle' (rad).
     torque : str, optional
         Name of the torque signal, if there is one.
 
@@ -60,13 +61,15 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
             flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
                     + shown['case_drain_flow'] - shown['pump_flow'])
             state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
+    state[4] = inputs.get('motor_angle', 0.0)
     state[5] = state[7] = state[13] = state[2]
     if drive.has_flexible_shaft:
         load = _first_torque(drive, first, inputs, torque, state[2])
-        state[6] = compliance_at(drive, load) * load
+        state[6] = twist_at(drive, load)
     # A plate with play rests where the flow says, not where the command says.
     state[9] = commands['pump_command']
-    state[8] = state[11] = np.interp(state[0], pump.displacement.y, pump.displacement.x)
+    state[8] = state[11] = pump.command_of(
+        state[0] / drive.parameters[INDEX['displacement_scale']])
     return state
 
 
@@ -82,7 +85,7 @@ def resting(model: PartModel, known: Mapping[str, np.ndarray],
     model : PartModel
         The pump.
     known : mapping of str to ndarray
-        What its flow depends on.
+        What its flow depends on, and the true 'flow' (m^3/s) if that is known.
     channels : mapping of str to ndarray
         Readings, SI.
 
@@ -92,12 +95,15 @@ def resting(model: PartModel, known: Mapping[str, np.ndarray],
     rows = slice(max(moves - _FIRST, 0), max(moves, _FIRST))
     if 'pump_displacement' in channels:
         return {'rests_at': float(np.mean(channels['pump_displacement'][rows]))}
-    if 'motor_inlet_flow' not in channels or 'pump_pressure' not in known:
+    if 'flow' not in known or 'pump_pressure' not in known:
         return {}
+    first = {name: values[rows] if np.ndim(values) else values for name, values in known.items()}
     ends = 0.0, model.rig.pump.max_displacement
     flows = [float(np.mean(model.pump_flow({
-        **known, 'displacement': np.full(len(command), end)})[rows])) for end in ends]
-    return {'rests_at': float(np.interp(np.mean(channels['motor_inlet_flow'][rows]), flows, ends))}
+        **first, 'displacement': np.full(len(command[rows]), end)}))) for end in ends]
+    if flows[0] >= flows[1]:
+        return {}
+    return {'rests_at': float(np.interp(np.mean(first['flow']), flows, ends))}
 
 
 def _first_torque(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],

@@ -17,34 +17,53 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 if TYPE_CHECKING:
+    from hst_drive.measure.part import PartReplay
     from hst_drive.measure.replay import Replay
     from hst_drive.model import Drive
+    from hst_drive.model.part import PartModel
 
 _SLOW = 0.1     # s, standard deviation of what is taken away as no swing
-_PISTONS = 7    # of a rig that does not say
+_ROUNDS = 3
+_NEAR = 1e-3    # of a swing: nearer than that is in step
+_APART = 1e-3   # of the two predictions' product: below they are the same, or opposite
 
 
-def swinging(drive: Drive) -> list[str]:
-    """Return the effects that are on and swing with the angle."""
-    known = catalogue(everything=True)
-    return [name for name in drive.effects if known[name].order]
+def swinging(model: Drive | PartModel) -> dict[str, float]:
+    """Return the effects that are on and swing with the angle: how often in a turn, most first."""
+    often = {name: _swing(model, name)[0] for name in model.effects}
+    return {name: often[name] for name in sorted(often, key=lambda name: -often[name])
+            if often[name]}
 
 
-def swings_per_turn(drive: Drive, name: str) -> float:
-    """Return how often in a turn an effect swings that is on."""
-    order = catalogue(everything=True)[name].order
-    return drive.effects[name][order] or drive.rig.motor.pistons or _PISTONS
+def _swing(model: Drive | PartModel, name: str) -> tuple[float, dict[str, float]]:
+    """Return how often in a turn an effect swings, and its parameters without that."""
+    effect, motor = catalogue(everything=True)[name], model.rig.motor
+    if effect.swings is None or motor is None:
+        return 0.0, {}
+    return effect.swings(model.effects[name], motor.pistons)
 
 
-def start_angle(replay: Replay, drive: Drive, name: str) -> float:
+def into_step(replay: Replay | PartReplay, model: Drive | PartModel) -> None:
+    """Turn a replay so that what swings in it agrees with what swings in a model."""
+    known = 0.0
+    for name, count in swinging(model).items():
+        angle = start_angle(replay, model, name)
+        if known:
+            # Whole periods of what agrees already.
+            angle = round(angle * known / (2 * np.pi)) * 2 * np.pi / known
+        replay.turn(angle)
+        known = count
+
+
+def start_angle(replay: Replay | PartReplay, model: Drive | PartModel, name: str) -> float:
     """
     Return by how much further the shaft stood at the start than the replay has it.
 
     Parameters
     ----------
-    replay : Replay
+    replay : Replay or PartReplay
         Must know the angle.
-    drive : Drive
+    model : Drive or PartModel
         Model with the effect on.
     name : str
         The effect that swings with the angle.
@@ -55,28 +74,43 @@ def start_angle(replay: Replay, drive: Drive, name: str) -> float:
         rad; 0 if nothing swings.
 
     """
-    effect, values = catalogue(everything=True)[name], drive.effects[name]
-    count = swings_per_turn(drive, name)
-    still, later = copy.copy(drive), copy.copy(replay)
-    still.parameters, still.switches = drive.parameters.copy(), drive.switches.copy()
-    still.effects = dict(drive.effects)
-    still.switch_on(name, {**effect.neutral, effect.order: values[effect.order]})
+    count, values = _swing(model, name)
+    still = model.with_effect(name, values)
+    trial, total = copy.copy(replay), 0.0
+    for _ in range(_ROUNDS):
+        # All of it may be of the second order.
+        step = _towards(trial, model, still, count) or _towards(trial, model, still, 2 * count)
+        trial.turn(step)
+        total += step
+        if abs(step) * count < 2 * np.pi * _NEAR:
+            break
+    return total
+
+
+def _towards(replay: Replay | PartReplay, model: Drive | PartModel, still: Drive | PartModel,
+             count: float) -> float:
+    """Return the angle (rad) to turn by, exact for swings of one order."""
+    later = copy.copy(replay)
     later.turn(0.5 * np.pi / count)
-    none, now, then = (entry.predict(model).signals for entry, model in (
-        (replay, still), (replay, drive), (later, drive)))
+    # Other effects may swing with the angle, too.
+    (now, none), (then, none_then) = ((entry.predict(model).signals, entry.predict(still).signals)
+                                      for entry in (replay, later))
     normal, side = np.zeros((2, 2)), np.zeros(2)
     for signal in replay.signals:
-        left, first, second = (_fast(replay, values) / replay.noise[signal] for values in (
-            filled(replay.run[signal]) - none[signal], now[signal] - none[signal],
-            then[signal] - none[signal]))
+        measured = replay.run[signal]
+        there = np.isfinite(measured)
+        left, first, second = ((_fast(replay, values) / replay.noise[signal])[there]
+                               for values in (filled(measured - none[signal]),
+                                              now[signal] - none[signal],
+                                              then[signal] - none_then[signal]))
         normal += [[first @ first, first @ second], [first @ second, second @ second]]
         side += [first @ left, second @ left]
-    if np.linalg.det(normal) <= 1e-9 * np.trace(normal)**2:
+    if np.linalg.det(normal) <= _APART * np.trace(normal)**2:
         return 0.0
     with_now, with_then = np.linalg.solve(normal, side)
     return float(np.arctan2(with_then, with_now)) / count
 
 
-def _fast(replay: Replay, values: np.ndarray) -> np.ndarray:
+def _fast(replay: Replay | PartReplay, values: np.ndarray) -> np.ndarray:
     values = np.nan_to_num(values)
     return values - gaussian_filter1d(values, _SLOW / replay.run.sample_time)

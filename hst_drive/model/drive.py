@@ -3,6 +3,7 @@
 """The whole drive: a rig, the effects that are switched on, and its motion in time."""
 from __future__ import annotations
 
+import copy
 from difflib import get_close_matches
 from typing import Mapping
 
@@ -102,6 +103,14 @@ class Drive:
         for slot, _ in catalogue(everything=True)[name].terms:
             self.switches[self.kernel.slots[slot]] = 1
         self.effects[name] = chosen
+
+    def with_effect(self, name: str, values: Mapping[str, float]) -> Drive:
+        """Return a drive with one effect more, or with other parameters (SI) for it."""
+        changed = copy.copy(self)
+        changed.parameters, changed.switches = self.parameters.copy(), self.switches.copy()
+        changed.effects = dict(self.effects)
+        changed.switch_on(name, values)
+        return changed
 
     @property
     def has_flexible_shaft(self) -> bool:

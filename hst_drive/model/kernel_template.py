@@ -502,6 +502,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 break
         if pump_series_lag > 0.0:
             pilot_aim = target + (pilot_aim - target) * math.exp(-interval / pump_series_lag)
+        if speed_reading_lag <= 0.0:
+            reading = motor_speed
         if speed_reading_series_lag > 0.0 and interval > 0.0:
             # The second lag of the reading: exact for a first one that moves on a straight line.
             behind = (reading - earlier_reading) / interval * speed_reading_series_lag

@@ -10,6 +10,7 @@ an efficiency of 1. All values are SI.
 """
 from __future__ import annotations
 
+import copy
 import math
 from types import FunctionType
 from typing import Any, Callable, Mapping
@@ -60,6 +61,12 @@ class PartModel:
         if rig.line is not None and rig.line.oil_grade not in GRADES:
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
+
+    def with_effect(self, name: str, values: Mapping[str, float]) -> PartModel:
+        """Return a part with one effect more, or with other parameters (SI) for it."""
+        changed = copy.copy(self)
+        changed.effects = {**self.effects, name: check_effect(self.rig, name, values)}
+        return changed
 
     def factor(self, key: str) -> float:
         """Return the factor of this unit on a quantity."""
@@ -158,9 +165,8 @@ class PartModel:
         if play > 0:
             softness, spread = (float(np.max(self.terms(slot, known))) for slot in (
                 'pump_play_softness', 'pump_play_spread'))
-            scale, table = self.factor('pump.displacement_vs_command'), pump.displacement
-            rests = float(np.interp(known['rests_at'] / scale, table.y, table.x)) if (
-                'rests_at' in known) else command[0]
+            rests = command[0] if 'rests_at' not in known else float(pump.command_of(
+                known['rests_at'] / self.factor('pump.displacement_vs_command')))
             command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
@@ -170,15 +176,15 @@ class PartModel:
         if series > 0:
             # What follows holds its input between samples: it gets the mean.
             steps = np.diff(time, append=np.inf)
-            target = target + (_follow(time, target, series) - target) * (
+            target = target + (follow(time, target, series) - target) * (
                 series / steps * -np.expm1(-steps / series))
         full = float(np.max(self.terms('pump_stroke_time', known)))
         if full <= 0:
-            return _follow(time, target, max(lag, 1e-6))
+            return follow(time, target, max(lag, 1e-6))
         asymmetry = float(np.max(self.terms('pump_stroke_asymmetry', known)))
         mean = pump.max_displacement / full
-        return _follow(time, target, max(lag, 1e-6), mean * (1 + asymmetry),
-                       mean * (1 - asymmetry))
+        return follow(time, target, max(lag, 1e-6), mean * (1 + asymmetry),
+                      mean * (1 - asymmetry))
 
     def pump_flow(self, known: Known) -> Any:
         """Return the oil that a pump of known stroke and speed delivers, m^3/s."""
@@ -187,7 +193,7 @@ class PartModel:
         if command is None and pump.displacement is None:
             command = pump.leakage.y[-1]
         elif command is None:
-            command = np.interp(known['displacement'], pump.displacement.y, pump.displacement.x)
+            command = pump.command_of(known['displacement'])
         leakage = self.factor('pump.leakage') * pump.leakage(pressure, command)
         known = {**known, 'pump_leakage': leakage}
         speed = known.get('pump_speed')
@@ -272,14 +278,29 @@ def _play(command: np.ndarray, half: float, softness: float, start: float) -> np
     return behind
 
 
-def _follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
-            back_rate: float = math.inf) -> np.ndarray:
-    """Return a first-order lag of a target that is held between samples, its speed limited."""
+def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
+           back_rate: float = math.inf, back_lag: float | None = None) -> np.ndarray:
+    """
+    Return what follows a target with a first-order lag, its speed limited.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        s.
+    target : ndarray, shape (n,)
+        Any unit; held between samples.
+    lag, back_lag : float
+        s, upwards and downwards; by default the same.
+    rate, back_rate : float
+        Most that it rises and falls, units of the target per second.
+
+    """
     out, value = np.empty(len(time)), target[0]
     steps = np.append(np.diff(time), 0.0)
-    decay = np.exp(-steps / lag)
+    up, down = (-np.expm1(-steps / entry) for entry in (
+        lag, lag if back_lag is None else back_lag))
     for k, goal in enumerate(target):
         out[k] = value
-        move = (goal - value) * (1 - decay[k])
+        move = (goal - value) * (up[k] if goal > value else down[k])
         value += min(max(move, -back_rate * steps[k]), rate * steps[k]) if move else 0.0
     return out

@@ -96,6 +96,10 @@ class Pump:
     leakage: Surface = field(default_factory=nothing)
     given: frozenset[str] = frozenset()
 
+    def command_of(self, displacement):
+        """Return the command (V) on which the plate settles at a displacement (m^3/rad)."""
+        return np.interp(displacement, self.displacement.y, self.displacement.x)
+
 
 @dataclass(frozen=True)
 class Motor:

@@ -169,8 +169,7 @@ class Workbench:
 
     def _errors(self, model: PageModel) -> list[np.ndarray]:
         whole = _campaign_model(model)
-        in_step(self.campaign, whole)
-        return self.campaign.errors(whole)
+        return in_step(self.campaign, whole).errors(whole)
 
     def fit(self, model: PageModel, locked: Iterable[tuple[str, str]], unit: bool,
             progress: Callable[[str], None]) -> PageModel:
@@ -190,9 +189,9 @@ class Workbench:
 
         """
         self.base.rig(model)
-        in_step(self.campaign, _campaign_model(model))
+        whole = _campaign_model(model)
         kept = {*locked, *(() if unit else (('', key) for key in self.campaign.tolerances))}
-        found = fit(self.campaign, _campaign_model(model), iterations=_FIT_STEPS, kept=kept,
+        found = fit(in_step(self.campaign, whole), whole, iterations=_FIT_STEPS, kept=kept,
                     progress=progress).model
         return PageModel(found.effects, {
             key: math.exp(value) for key, value in found.factors.items() if value})

@@ -97,7 +97,7 @@ def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(hidden, be
 def beside_nothing(hidden, **options):
     """Return what is told where no effect is searched."""
     search = Search(Campaign(*as_runs(make_campaign(43, hidden, **options))), ())
-    return beside(search, search.baseline)
+    return beside(search, search.baseline, search.unexplained(search.baseline))
 
 
 @pytest.mark.needs_numba
@@ -127,7 +127,7 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
         for k in range(1, len(slow)):
             slow[k] = slow[k - 1] + run.sample_time / lag * (slow[k] - slow[k - 1])
     search = Search(Campaign(rig, runs, held), ())
-    found = beside(search, search.baseline).unknown
+    found = beside(search, search.baseline, search.unexplained(search.baseline)).unknown
     assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)

@@ -3,7 +3,7 @@
 """Which balances a log closes."""
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed
+from hst_drive.measure.balances import closed, is_table
 from hst_drive.measure.run import Run
 from hst_drive.rig import default_rig
 import numpy as np
@@ -35,3 +35,21 @@ def test_a_log_with_nothing_to_judge_on_is_refused():
                 'pprv_command')
     with pytest.raises(InputError, match='log.csv: .*too short'):
         diagnose(default_rig(), [short])
+
+
+@pytest.mark.parametrize('speeds', [4, 6, 8])
+def test_a_grid_of_operating_points_is_a_table_however_fast_it_was_written(speeds):
+    speed, pressure = np.tile(np.arange(1.0, speeds + 1), 6), np.repeat(np.arange(1.0, 7.0), speeds)
+    order = np.random.default_rng(speeds).permutation(len(speed))
+    for rows in (slice(None), order):
+        assert is_table(Run('grid', 0.01 * np.arange(len(speed)), {
+            'motor_speed': speed[rows], 'motor_inlet_pressure': 1e6 * pressure[rows]}))
+
+
+def test_a_swing_at_a_seventh_of_the_sampling_rate_is_a_motion():
+    """Stick-slip, say: rows differ much, but each follows from those before it."""
+    time = 0.01 * np.arange(3000)
+    random = np.random.default_rng(2)
+    speed = np.maximum(1.0 + 1.2 * np.sin(2 * np.pi * time / 0.07), 0.0)
+    assert not is_table(Run('slip', time, {
+        'motor_speed': speed + 0.02 * random.standard_normal(len(time))}))

@@ -41,14 +41,14 @@ def test_a_perfect_model_reaches_the_floor(settings):
 
 
 @pytest.mark.needs_numba
-@pytest.mark.parametrize('roughness', [0.0, 0.5, 1.5])
+@pytest.mark.parametrize('roughness, rate', [(0.0, 200), (0.5, 200), (1.5, 200), (1.5, 100)])
 @pytest.mark.parametrize('compliance, share, damping_time', [
     (1 / 400, 0.6, 0.004), (1 / 1200, 0.5, 0.002), (1 / 250, 0.7, 0.016)])
-def test_rough_rock_behind_a_flexible_shaft(compliance, share, damping_time, roughness):
+def test_rough_rock_behind_a_flexible_shaft(compliance, share, damping_time, roughness, rate):
     """The sensor feels the shaft swing; what shakes it is the load behind."""
     effects = {'shaft_compliance': {'compliance': compliance, 'load_side_share': share,
                                     'hardening': 0.0, 'damping_time': damping_time}}
-    runs = [record(seed, effects=effects, roughness=roughness, rate=200) for seed in (20, 21)]
+    runs = [record(seed, effects=effects, roughness=roughness, rate=rate) for seed in (20, 21)]
     found = compare(Drive(RIG, effects), runs).signals
     for name in ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed'):
         assert found[name].noise_ratio < 1.4, name
@@ -63,6 +63,33 @@ def test_a_late_reading_of_the_speed_does_not_spoil_the_load(series):
     found = compare(Drive(RIG, effects), runs).signals
     for name, entry in found.items():
         assert entry.noise_ratio < 1.25, name
+
+
+LATE = {'speed_sensor_lag': {'time_constant': 0.1, 'series': 0.0}}
+
+
+@pytest.mark.needs_numba
+def test_only_a_speed_that_was_read_is_read_late():
+    """The flow meter, which tells the speed where no sensor does, is not late."""
+    run = record(20, effects=LATE, leave_out=('motor_speed',))
+    for name, entry in compare(Drive(RIG, LATE), [run]).signals.items():
+        assert entry.noise_ratio < 1.25, name
+
+
+@pytest.mark.needs_numba
+def test_a_late_speed_that_the_model_does_not_know_is_no_rough_load():
+    effects = {'speed_sensor_lag': {'time_constant': 0.2, 'series': 0.0}}
+    found = [Replay(record(seed, effects=effects, roughness=0.5), Drive(RIG)).roughness.std
+             for seed in range(20, 24)]
+    assert np.mean(found) == pytest.approx(0.5, rel=0.25)
+
+
+@pytest.mark.needs_numba
+def test_a_drive_that_leaves_all_bounds_does_not_make_the_load_smooth():
+    run, drive = record(20), Drive(RIG, {'formula_load': {'coefficient_1': -1e3, 'speed_1': 2.0}})
+    replay = Replay(run, drive)
+    assert not np.isfinite(replay.predict(drive).signals['pump_outlet_pressure']).all()
+    assert replay.roughness.std > 0.5
 
 
 def test_a_perfect_model_reaches_the_floor_in_short():

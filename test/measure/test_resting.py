@@ -14,7 +14,7 @@ PUMP = replace(default_rig(), motor=None, loading=None, line=None, relief_valve=
 WIDTH, PRESSURE = 0.4, 80e5
 
 
-def bench(offset):
+def bench(offset, scale=1.0, flow_error=0.0):
     """Return a slow rise and fall of the command; the plate stands ``offset`` volts off it."""
     time = np.arange(0.0, 20.0, 0.01)
     command = 4.0 + np.interp(time, [0, 1, 8, 12, 20], [0, 0, 1.0, 1.0, -0.5])
@@ -23,16 +23,21 @@ def bench(offset):
         behind = min(max(behind, value - 0.5 * WIDTH), value + 0.5 * WIDTH)
         plate.append(behind)
     pump = PUMP.pump
-    flow = pump.displacement(np.array(plate)) * pump.shaft_speed - pump.leakage(PRESSURE, command)
+    stroke = scale * pump.displacement(np.array(plate))
+    flow = (stroke * pump.shaft_speed - pump.leakage(PRESSURE, command)) * (1.0 + flow_error)
     return Run('bench', time, {
         'pump_command': command, 'pump_speed': np.full(len(time), pump.shaft_speed),
         'pump_outlet_pressure': np.full(len(time), PRESSURE), 'motor_inlet_flow': flow}, 'b.csv')
 
 
+@pytest.mark.parametrize('scale, flow_error', [(1.0, 0.0), (1.04, 0.0), (1.0, 0.03)])
 @pytest.mark.parametrize('offset', [-0.2, -0.1, 0.0, 0.2])
-def test_the_plate_rests_where_the_flow_says(offset):
-    model = PartModel(PUMP, {'pump_hysteresis': {'width': WIDTH, 'softness': 0.0, 'spread': 0.0}})
-    run = bench(offset)
+def test_the_plate_rests_where_the_flow_says(offset, scale, flow_error):
+    model = PartModel(PUMP, {
+        'pump_hysteresis': {'width': WIDTH, 'softness': 0.0, 'spread': 0.0},
+        'flow_sensor_scale': {'gain_error': flow_error}},
+        {'pump.displacement_vs_command': scale})
+    run = bench(offset, scale, flow_error)
     found = PartReplay(run, model).predict(model).signals['motor_inlet_flow']
     # What is left is the lag of the displacement in slow ramps.
     fastest = np.abs(np.gradient(run['motor_inlet_flow'], run.time)).max()

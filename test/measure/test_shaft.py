@@ -3,7 +3,7 @@
 """What a torque sensor on a flexible shaft tells of the load, against the equations solved."""
 from hst_drive.effects.base import USUAL_DAMPING_TIME
 from hst_drive.measure.noise import Coloured
-from hst_drive.measure.shaft import behind, load_side, LoadSide, read
+from hst_drive.measure.shaft import behind, load_side, LoadSide, read, twist_at
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
 import numpy as np
@@ -54,11 +54,17 @@ def test_noise_is_not_taken_for_load():
 
 def test_what_is_behind_the_shaft_of_a_drive():
     torque = np.full(10, 120.0)
-    assert load_side(Drive(default_rig()), torque, 1.0) is None
+    assert load_side(Drive(default_rig()), torque, lambda faster: torque) is None
     drive = Drive(default_rig(), {'shaft_compliance': {
         'compliance': 0.002, 'load_side_share': 0.6, 'hardening': 5.0,
         'damping_time': USUAL_DAMPING_TIME}})
-    side = load_side(drive, torque, 1.0)
+    side = load_side(drive, torque, lambda faster: torque + 1.5 * faster)
     assert side.inertia == pytest.approx(0.6 * default_rig().motor.inertia)
-    assert side.compliance == pytest.approx(0.002 / (1 + 5.0 * (0.002 * 120.0)**2))
-    assert side.damping_time == pytest.approx(USUAL_DAMPING_TIME)
+    assert side.slope == pytest.approx(1.5)
+    # T = twist*(1 + hardening*twist^2)/compliance: a cubic, and its slope at 120 N.m.
+    twist = twist_at(drive, 120.0)
+    assert twist == pytest.approx(np.roots([5.0, 0.0, 1.0, -0.002 * 120.0])[2].real)
+    stiffness = (1.0 + 15.0 * twist**2) / 0.002
+    assert side.compliance == pytest.approx(1.0 / stiffness, rel=1e-4)
+    damping = USUAL_DAMPING_TIME * (1.0 + 5.0 * twist**2) / 0.002
+    assert side.damping_time == pytest.approx(damping / stiffness, rel=1e-4)
