@@ -9,7 +9,7 @@ tens of thousands of samples a prior alone is outvoted, and the factors would ea
 from __future__ import annotations
 
 from itertools import count as count_from
-from typing import Callable, Collection, NamedTuple, Sequence
+from typing import Callable, Collection, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.judge import excess
@@ -22,6 +22,7 @@ SIGMAS = 3.0
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
+_TRIES = 4      # dampings of a step of all unknowns
 _FITS = 0.1     # squared error over the floor's
 _HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
@@ -180,8 +181,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
                                          errors_at)
         step_taken = False
-        for _ in range(6):
-            trial = _step(campaign, unknowns, vector, errors, jacobian, damping, trimmed)
+        for moved, damping in _ways(unknowns, damping):
+            trial = _step(campaign, unknowns, vector, errors, jacobian, damping, trimmed, moved)
             trial_errors = errors_at(trial)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)
             if trial_cost < cost:
@@ -190,7 +191,6 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
                 damping = max(damping / 10, 1e-9)
                 step_taken = True
                 break
-            damping = max(damping * 100, 1e-3)
         if not step_taken or gain < 1e-3 * cost + 0.5:
             break
         if _promise(campaign, unknowns, vector, errors, jacobian) < 1e-3 * cost + 0.5:
@@ -237,10 +237,27 @@ def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     return float(residual @ residual + prior @ prior - after @ after - prior_after @ prior_after)
 
 
+def _ways(unknowns: Unknowns, damping: float) -> Iterator[tuple[slice, float]]:
+    """
+    Yield what to move, and with what damping, until a step lowers the cost.
+
+    All at once; then the unit alone, and the effects alone: what shifts the drive's ringing by a
+    part of its period bars the way for all else.
+    """
+    unit, effects = slice(unknowns.factors), slice(unknowns.factors, len(unknowns.names))
+    for _ in range(_TRIES):
+        yield slice(None), damping
+        damping = max(damping * 100, 1e-3)
+    for part in (unit, effects):
+        if 0 < part.stop - (part.start or 0) < len(unknowns.names):
+            for damping in (1e-6, 1e-3):
+                yield part, damping
+
+
 def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
           errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float,
-          trimmed: bool = False) -> np.ndarray:
-    """Solve the linearised problem within the bounds."""
+          trimmed: bool = False, moved: slice = slice(None)) -> np.ndarray:
+    """Solve the linearised problem within the bounds for the unknowns that are moved."""
     residual = campaign.training(errors)
     if trimmed:
         used = campaign.without_events(residual)
@@ -252,11 +269,13 @@ def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     gradient = gradient + prior * vector
     normal = normal + np.diag(prior)
     normal = normal + np.diag(damping * np.diag(normal) + 1e-9)
-    factor = np.linalg.cholesky(normal)
-    target = np.linalg.solve(factor, -gradient)
-    solution = lsq_linear(factor.T, target, (unknowns.low - vector - 1e-12,
-                                             unknowns.high - vector + 1e-12))
-    return np.clip(vector + solution.x, unknowns.low, unknowns.high)
+    factor = np.linalg.cholesky(normal[moved, moved])
+    target = np.linalg.solve(factor, -gradient[moved])
+    solution = lsq_linear(factor.T, target, ((unknowns.low - vector - 1e-12)[moved],
+                                             (unknowns.high - vector + 1e-12)[moved]))
+    trial = vector.copy()
+    trial[moved] += solution.x
+    return np.clip(trial, unknowns.low, unknowns.high)
 
 
 def at_its_end(model: Model, name: str) -> bool:

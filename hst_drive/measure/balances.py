@@ -12,7 +12,7 @@ import numpy as np
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 _TORQUES = ('motor_torque', 'load_torque')
 _SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
-_RESTLESS = 0.3         # of the variance: a motion, even a swing, is told better by two rows before
+_RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
 _FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
 FIXED_PUMP = 'pump.max_displacement_cc_rev'

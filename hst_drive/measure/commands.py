@@ -5,7 +5,8 @@ Commands of a record whose rows come now before, now after the controller's step
 
 A controller that steps as often as the record has rows, and a recorder whose rows come a little
 early or late: an early row still shows the last command, and what a late row after an early one
-skips is never seen. Held from row to row such commands reach a replay up to a whole step late.
+skips is never seen, nor what lost rows would have shown. Held from row to row such commands reach
+a replay up to a whole step late.
 """
 from __future__ import annotations
 
@@ -14,7 +15,9 @@ from typing import Mapping, NamedTuple
 import numpy as np
 
 _EVEN = 1e-5            # s: steadier time stamps than this are even
+_FIRST = 32             # rows that the first guess of the time between them holds for
 _FEWEST = 8             # changes of the command below which nothing can be told
+_UNEVEN = 0.2           # of the time between rows: what varies more has no rows of its own
 _CONTRARY = 0.05        # share of the changes that may contradict; by chance it is a quarter
 
 
@@ -55,23 +58,60 @@ def controller_steps(time: np.ndarray, commands: Mapping[str, np.ndarray]) -> di
         What the rows show; no NaN.
 
     """
-    row = np.arange(len(time))
-    late = time - np.polynomial.Polynomial.fit(row, time, 1)(row) if len(row) > 2 else 0.0 * row
+    row, late = _grid(time)
     early = late < 0
-    straddled = _EVEN < np.std(late) < 0.2 * np.ptp(time) / len(time)
+    straddled = np.std(late) > _EVEN
     if straddled:
-        changes = [np.diff(command) != 0 for command in commands.values()]
+        beside = np.diff(row) == 1
+        changes = [(np.diff(command) != 0) & beside for command in commands.values()]
         count = sum(int(changed.sum()) for changed in changes)
         contrary = sum(int((changed & ~early[:-1] & early[1:]).sum()) for changed in changes)
         straddled = count >= _FEWEST and contrary <= _CONTRARY * count
     if not straddled:
-        return {name: Steps(command, command, command) for name, command in commands.items()}
+        early = np.zeros(len(time), dtype=bool)
+    # From each row to the next: how many steps there were, and which of them the two rows show.
+    count = np.append(np.diff(row), 1)
     next_early = np.append(early[1:], False)
-    unseen = early & ~np.append(early[1:], True)
+    seen_late = np.where(count == 1, early & next_early, next_early / count)
+    unseen = np.where(count == 1, early & ~next_early, (count - ~early - next_early) / count)
     steps = {}
     for name, command in commands.items():
         after = np.append(command[1:], command[-1])
-        low = np.where(early & next_early, after, command)
-        high = np.where(unseen, after, low)
+        low = command + (after - command) * seen_late
+        high = low + (after - command) * unseen
         steps[name] = Steps(0.5 * (low + high), low, high)
     return steps
+
+
+def jitter(time: np.ndarray) -> float:
+    """Return how far stamps scatter about even ones, s; 0 where there are none to tell."""
+    return float(np.std(_grid(time)[1]))
+
+
+def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """
+    Number the rows, those that are lost counted, and say how late each is, s.
+
+    As they come, and none late, where that is not clear.
+    """
+    plain = np.arange(len(time))
+    if len(time) < _FIRST:
+        return plain, np.zeros(len(time))
+    steps = np.diff(time)
+    origin, period = time[0], float(np.mean(steps[steps < 1.5 * np.median(steps)]))
+    known = _FIRST
+    while True:
+        row = np.round((time[:known] - origin) / period)
+        if known == len(time):
+            break
+        origin, period = np.polynomial.Polynomial.fit(row, time[:known], 1).convert().coef
+        known = min(2 * known, len(time))
+    # One that is late by half a step counts as the next: two have that number then, none its own.
+    twice = np.flatnonzero(np.diff(row) == 0)
+    room = np.append(np.inf, np.diff(row))[twice] > 1
+    row[twice[room]] -= 1
+    row[twice[~room] + 1] += 1
+    late = time - np.polynomial.Polynomial.fit(row, time, 1)(row)
+    if np.all(np.diff(row) > 0) and np.std(late) < _UNEVEN * period:
+        return (row - row[0]).astype(int), late
+    return plain, np.zeros(len(time))

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
-from hst_drive.measure.commands import controller_steps
+from hst_drive.measure.commands import controller_steps, jitter
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
@@ -84,7 +84,7 @@ class Replay:
                              'column with --channels')
         self.run = run
         self.readings = Readings(run, {**usual_sensors(drive.rig), **drive.rig.sensors})
-        self.stamps = _STAMPS
+        self.stamps = float(np.hypot(_STAMPS, jitter(run.time)))
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '

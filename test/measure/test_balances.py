@@ -39,7 +39,8 @@ def test_a_log_with_nothing_to_judge_on_is_refused():
 
 @pytest.mark.parametrize('speeds', [4, 6, 8])
 def test_a_grid_of_operating_points_is_a_table_however_fast_it_was_written(speeds):
-    speed, pressure = np.tile(np.arange(1.0, speeds + 1), 6), np.repeat(np.arange(1.0, 7.0), speeds)
+    speed = np.tile(np.arange(1.0, speeds + 1), 6)
+    pressure = np.repeat(np.arange(1.0, 7.0), speeds)
     order = np.random.default_rng(speeds).permutation(len(speed))
     for rows in (slice(None), order):
         assert is_table(Run('grid', 0.01 * np.arange(len(speed)), {

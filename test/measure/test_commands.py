@@ -49,3 +49,19 @@ def test_even_stamps_and_few_rows_are_left_alone():
         shown = np.sin(np.arange(len(time)))
         steps = controller_steps(time, {'pump_command': shown})['pump_command']
         assert np.array_equal(steps.values, shown)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10**6), st.sampled_from([0.0, 5e-4, 1.5e-3]))
+def test_what_lost_rows_would_have_shown_is_halfway(seed, jitter):
+    """Each row's command holds until the next: at best the mean of the steps between."""
+    random = np.random.default_rng(seed)
+    command, time, shown = recorded(random, 1e-6, jitter, rows=8000)
+    kept = np.flatnonzero((random.random(len(time)) > 0.05) | (np.arange(len(time)) == 0))
+    steps = controller_steps(time[kept], {'pump_command': shown[kept]})['pump_command']
+    between = np.array([command[first:last].mean() for first, last in zip(kept, kept[1:])])
+    lost = np.diff(kept) > 1
+    error, held = (np.std((values[:-1] - between)[lost]) for values in (
+        steps.values, shown[kept]))
+    assert error < 0.93 * held
+    assert (steps.low != steps.high)[:-1][lost].mean() > 0.2
