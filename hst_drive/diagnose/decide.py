@@ -9,6 +9,7 @@ from typing import Callable, Sequence
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.alternatives import alternatives
 from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import Fit, SIGMAS
 from hst_drive.diagnose.intervals import intervals
@@ -68,10 +69,14 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     best = pair_instead(search, search.run())
+    left = search.unexplained(best)
+    more = one_cause(search, best, left)
+    if more:
+        best = search.baseline
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)
-    more = None if better else beside(search, best, left)
+    more = more or (None if better else beside(search, best, left))
     doubt = bool(more or better)
     if left and best.names and not _carries(search, best):
         best = search.baseline

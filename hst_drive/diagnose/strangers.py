@@ -17,43 +17,19 @@ from hst_drive.diagnose.answers import (
     Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import (
-    contribution, excess, FORM_SHARE, IN_EVENTS, PRACTICAL, SIGNIFICANT)
+from hst_drive.diagnose.nameless import (
+    beaten, fitted_freer, Freer, much_left, share_of, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
-from hst_drive.effects.formula import FORMULAS, TEXTS, values
-from hst_drive.measure.run import CHANNELS
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-# Standard errors: more than for an effect of the list, since a stranger has a freer form and is
-# judged on what it was fitted to as well.
-_SURE = 5.0
-_DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
-_PATIENT = 8            # steps of the fit that gives an effect the same chance
 _ROUNDS = 2             # of the answer and the unit in turn
 _WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
-_FAINT = 1e-3           # of a formula's typical size: where its fit starts
-
-
-class Freer(NamedTuple):
-    """
-    A formula that is tried: what it is, its effect, terms, and what it would be told as.
-
-    ``unknown`` is None if what is left without the effect says best what it is.
-    """
-
-    what: str
-    formula: str
-    terms: tuple[tuple[str, ...], ...]
-    unknown: Unknown | None = None
-
-
 # Slot of an effect: what is tried in its place.
 _FREER = {
     **dict.fromkeys(('pump_flow_loss', 'pump_speed'), Freer(
@@ -87,19 +63,6 @@ class Stranger(NamedTuple):
     unknown: Unknown | None
 
 
-class Trial(NamedTuple):
-    """
-    A stranger in the place of an effect: what it is, its fit, and what it would be told as.
-
-    ``formula`` is the effect that carries it, if one does.
-    """
-
-    what: str
-    fit: Fit
-    unknown: Unknown | None
-    formula: str = ''
-
-
 def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
     """
     Return the effects of a set in whose place something fits better that is not listed.
@@ -113,14 +76,14 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
     for name in best.names:
         trials = [trial for trial in (*_formula(search, best, name),
                                       *_actuator(search, best, name))
-                  if _beaten(search, best, trial.fit)]
+                  if beaten(search, best, trial.fit)]
         if not trials:
             continue
         trial = min(trials, key=lambda item: score(search.campaign, item.fit))
-        if beaten := _sure(search, best, trial.fit):
+        if gained := sure(search, best, trial.fit):
             found[name] = Stranger(
-                f'comes near, but {trial.what} in its place leaves {_share(beaten)}',
-                _told_as(search, best, [name], trial, _FREER.get(catalogue()[name].slot)))
+                f'comes near, but {trial.what} in its place leaves {share_of(gained)}',
+                told_as(search.campaign, without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best)
 
 
@@ -133,39 +96,22 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     model = best.fit.model
     for name in names:
         model = model.without(name)
-    trial = _fitted(search.campaign, model, _OF_WARMTH)
-    beaten = trial and _sure(search, best, trial.fit)
-    if not beaten:
+    trial = fitted_freer(search.campaign, model, _OF_WARMTH)
+    gained = trial and sure(search, best, trial.fit)
+    if not gained:
         return {}
-    unknown = _told_as(search, best, names, trial, _OF_WARMTH)
+    unknown = told_as(search.campaign, without(search, best, names).fit, trial)
     return dict.fromkeys(names, Stranger(
-        f'together come near, but {trial.what} in their place leaves {_share(beaten)}', unknown))
+        f'together come near, but {trial.what} in their place leaves {share_of(gained)}', unknown))
 
 
-def _told_as(search: Search, best: Candidate, names: Collection[str], trial: Trial,
-             freer: Freer | None) -> Unknown | None:
-    """Return what a trial would be told as, with the formula to adopt."""
-    if trial.unknown is None or not trial.formula or not freer:
-        return trial.unknown
-    bare = without(search, best, names).fit
-    own = trial.fit.model.effects[trial.formula]
-    summed = ' + '.join(' * '.join([f"{own[f'coefficient_{place}']:.3g}",
-                                    *(TEXTS[variable] for variable in term)])
-                        for place, term in enumerate(freer.terms, 1))
-    return trial.unknown._replace(
-        expression=f'{trial.unknown.expression} += {summed}',
-        formula=worth(search.campaign, bare, Carried(trial.formula, trial.fit)))
-
-
-def _sure(search: Search, best: Candidate, stranger: Fit) -> tuple[str, float] | None:
-    """Ask ``_beaten`` once the set has had the same chance: fitted from where that ended."""
-    if not _beaten(search, best, stranger):
-        return None
-    effects = {key: stranger.model.effects.get(key, own)
-               for key, own in best.fit.model.effects.items()}
-    fitted = fit(search.campaign, Model(effects, stranger.model.factors), iterations=_PATIENT)
-    again = Candidate(best.names, fitted, score(search.campaign, fitted))
-    return _beaten(search, min(best, again, key=lambda item: item.score), stranger)
+def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
+    """Return the fit without some of the effects of a set."""
+    kept = tuple(name for name in best.names if name not in out)
+    if not kept or not out:
+        return best if kept else search.baseline
+    start = Model({name: best.fit.model.effects[name] for name in kept}, best.fit.model.factors)
+    return search.refine(search.try_all([(kept, start)], 'taking effects out')[0])
 
 
 def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:
@@ -178,10 +124,10 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
     if isinstance(search.campaign, PartCampaign):
         return None
     for trial in _beside(search, best, left):
-        beaten = _beaten(search, best, trial.fit)
+        gained = beaten(search, best, trial.fit)
         # Who says better what is left than its place and a formula do explains it.
-        if beaten and not (trial.unknown and left and _much_left(search, best, trial.fit)):
-            return Stranger(f'{trial.what} leaves {_share(beaten)}', trial.unknown)
+        if gained and not (trial.unknown and left and much_left(search, best, trial.fit)):
+            return Stranger(f'{trial.what} leaves {share_of(gained)}', trial.unknown)
     return None
 
 
@@ -193,7 +139,7 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = _fitted(turned, best.fit.model, _BESIDE, known=search.factors)
+    trial = fitted_freer(turned, best.fit.model, _BESIDE, known=search.factors)
     if trial:
         yield trial
 
@@ -208,65 +154,13 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
     return found
 
 
-def _much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
-    if not search.unexplained(best._replace(fit=fitted)):
-        return False
-    before, after = (excess(search.campaign.ratios(entry.errors, True))
-                     for entry in (best.fit, fitted))
-    return after > FORM_SHARE * before
-
-
-def _share(beaten: tuple[str, float]) -> str:
-    signal, share = beaten
-    return f'{100 * share:.0f} % less squared error of {CHANNELS[signal].title}'
-
-
-def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
-    """Return the fit without some of the effects of a set."""
-    kept = tuple(name for name in best.names if name not in out)
-    if not kept or not out:
-        return best if kept else search.baseline
-    start = Model({name: best.fit.model.effects[name] for name in kept}, best.fit.model.factors)
-    return search.refine(search.try_all([(kept, start)], 'taking effects out')[0])
-
-
-def _beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] | None:
-    """Return the signal in which a stranger is clearly better, and by what share of its square."""
-    trial = Candidate((), fitted, score(search.campaign, fitted))
-    if trial.score >= best.score:
-        return None
-    shares: dict[str, float] = {}
-    for held_out in (False, True):
-        found = search.gain(best, trial, held_out)
-        done = contribution(search.campaign, search.base, best.fit, held_out)
-        lost = -sum(min(amount, 0.0) for amount in found.amount.values())
-        for name, share in found.share.items():
-            # A few quick steps may be all that shows how a pump answers: then blocks count.
-            sure = found.sigma[name] >= _SURE or (
-                share >= IN_EVENTS and found.votes[name] >= SIGNIFICANT)
-            if share >= PRACTICAL and sure and found.amount[name] >= max(
-                    (FORM_SHARE * done[name])**2, _DEARER * lost):
-                shares[name] = max(share, shares.get(name, 0.0))
-    return max(shares.items(), key=lambda item: item[1], default=None)
-
-
 def _formula(search: Search, best: Candidate, name: str) -> list[Trial]:
     """Fit a formula in the place of an effect, if there is one for its place."""
     freer = _FREER.get(catalogue()[name].slot)
     if freer is None or (freer.unknown and freer.unknown.signal not in search.campaign.signals):
         return []
-    trial = _fitted(search.campaign, best.fit.model.without(name), freer)
+    trial = fitted_freer(search.campaign, best.fit.model.without(name), freer)
     return [trial] if trial else []
-
-
-def _fitted(campaign: Campaign, model: Model, freer: Freer, known: np.ndarray | None = None
-            ) -> Trial | None:
-    formula = freer.formula
-    if formula in campaign.rig.effects:
-        return None
-    faint = _FAINT * FORMULAS[formula].parameters[0].typical
-    start = model.with_effect(formula, values(formula, [(faint, term) for term in freer.terms]))
-    return Trial(freer.what, fit(campaign, start, known=known), freer.unknown, formula)
 
 
 def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:

@@ -95,12 +95,32 @@ def flow_error(flow, pressure, oil_temperature,
             + coefficient_3 * flow**flow_3 * pressure**pressure_3 * warmth**warmth_3)
 
 
+def torque_error(load_torque,
+                 coefficient_1, torque_1, coefficient_2, torque_2, coefficient_3, torque_3):
+    """Return the sum of three coefficients times powers of the torque."""
+    torque = load_torque / TORQUE
+    return (coefficient_1 * torque**torque_1 + coefficient_2 * torque**torque_2
+            + coefficient_3 * torque**torque_3)
+
+
+def speed_error(motor_speed, oil_temperature,
+                coefficient_1, speed_1, warmth_1, coefficient_2, speed_2, warmth_2,
+                coefficient_3, speed_3, warmth_3):
+    """Return the sum of three coefficients times powers of what a tachometer may depend on."""
+    speed = motor_speed / SPEED
+    warmth = (oil_temperature - REFERENCE) / WARMTH
+    return (coefficient_1 * speed**speed_1 * warmth**warmth_1
+            + coefficient_2 * speed**speed_2 * warmth**warmth_2
+            + coefficient_3 * speed**speed_3 * warmth**warmth_3)
+
+
 _BALANCE = ('pressure', 'speed', 'warmth', 'pump', 'pprv', 'cosine', 'sine')
 _LOAD = ('torque', 'speed', 'warmth', 'pprv', 'cosine', 'sine')
 # Effect -> variables of its formula.
 VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_flow': _BALANCE,
              'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE,
-             'formula_flow_reading': ('flow', 'pressure', 'warmth')}
+             'formula_flow_reading': ('flow', 'pressure', 'warmth'),
+             'formula_torque_reading': ('torque',), 'formula_speed_reading': ('speed', 'warmth')}
 
 
 def _swings(values, pistons):
@@ -141,6 +161,10 @@ FORMULAS: dict[str, Effect] = {effect.id: effect for effect in (
              'pressure_reading', product, 'Pa', 1e5),
     _declare('formula_flow_reading', 'a formula for what is wrong with the flow reading',
              'flow_reading', flow_error, 'm^3/s', 1e-6),
+    _declare('formula_torque_reading', 'a formula for what is wrong with the torque reading',
+             'torque_reading', torque_error, 'N.m', 1.0),
+    _declare('formula_speed_reading', 'a formula for what is wrong with the speed reading',
+             'speed_reading', speed_error, 'rad/s', 0.1),
 )}
 
 
