@@ -23,6 +23,7 @@ SIGMAS = 3.0
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
+_MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
 _FITS = 0.1     # squared error over the floor's
 _HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
@@ -181,8 +182,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
                                          errors_at)
         step_taken = False
-        for moved, damping in _ways(unknowns, damping):
-            trial = _step(campaign, unknowns, vector, errors, jacobian, damping, trimmed, moved)
+        for trial, damping in _trials(campaign, unknowns, vector, errors, jacobian, damping,
+                                      trimmed, refresh):
             trial_errors = errors_at(trial)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)
             if trial_cost < cost:
@@ -237,21 +238,34 @@ def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     return float(residual @ residual + prior @ prior - after @ after - prior_after @ prior_after)
 
 
-def _ways(unknowns: Unknowns, damping: float) -> Iterator[tuple[slice, float]]:
+def _trials(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
+            errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float, trimmed: bool,
+            patient: bool) -> Iterator[tuple[np.ndarray, float]]:
     """
-    Yield what to move, and with what damping, until a step lowers the cost.
+    Yield vectors to try until one lowers the cost, and the damping that they came from.
 
-    All at once; then the unit alone, and the effects alone: what shifts the drive's ringing by a
-    part of its period bars the way for all else.
+    All unknowns are moved at once; then the unit alone, and the effects alone: what shifts the
+    drive's ringing by a part of its period bars the way for all else. ``patient``: then also one
+    parameter after the other, over the ripples that such shifts leave in the cost.
     """
-    unit, effects = slice(unknowns.factors), slice(unknowns.factors, len(unknowns.names))
+    def step(by: float, moved: slice = slice(None)) -> tuple[np.ndarray, float]:
+        return _step(campaign, unknowns, vector, errors, jacobian, by, trimmed, moved), by
+
     for _ in range(_TRIES):
-        yield slice(None), damping
+        yield step(damping)
         damping = max(damping * 100, 1e-3)
-    for part in (unit, effects):
-        if 0 < part.stop - (part.start or 0) < len(unknowns.names):
-            for damping in (1e-6, 1e-3):
-                yield part, damping
+    count = len(vector)
+    if not 0 < unknowns.factors < count:
+        return
+    for moved in (slice(unknowns.factors), slice(unknowns.factors, count)):
+        for damping in (1e-6, 1e-3):
+            yield step(damping, moved)
+    for k in range(unknowns.factors, count if patient else 0):
+        for share in _MOVES:
+            trial = vector.copy()
+            trial[k] = np.clip(vector[k] * (1 + share), unknowns.low[k], unknowns.high[k])
+            if trial[k] != vector[k]:
+                yield trial, 1e-3
 
 
 def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,

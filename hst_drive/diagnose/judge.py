@@ -23,6 +23,7 @@ IN_EVENTS = 0.5        # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
+NEAR_NOISE = 2.0        # times that where nothing is unexplained: only chance and form are left
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
@@ -91,7 +92,8 @@ def unharmed(found: Gain) -> bool:
                for name, value in found.sigma.items())
 
 
-def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL) -> bool:
+def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL,
+               form: float = FORM_SHARE) -> bool:
     """
     Say whether a gain is significant and large enough to name an effect for.
 
@@ -103,22 +105,25 @@ def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL)
         ``contribution`` of the effects that are in already.
     least : float
         Share of the squared error that must go.
+    form : float
+        Share of what is in already by which that may be off its formula.
 
     """
     return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= least
-               and found.amount[name] >= (FORM_SHARE * done.get(name, 0.0))**2
+               and found.amount[name] >= (form * done.get(name, 0.0))**2
                for name in found.share)
 
 
-def worthwhile_in_part(found: Gain, done: Mapping[str, float]) -> bool:
+def worthwhile_in_part(found: Gain, done: Mapping[str, float],
+                       form: float = FORM_SHARE) -> bool:
     """
     Say whether a gain on fitted logs is worth a name where held-out ones cannot show it.
 
     A few great steps may be all that shows an effect: then blocks are counted, not measured.
     """
-    return worthwhile(found, done, _IN_SAMPLE) or (
+    return worthwhile(found, done, _IN_SAMPLE, form) or (
         unharmed(found)
-        and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS))
+        and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS, form))
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],

@@ -15,8 +15,8 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
-    contribution, FORM_SHARE, Gain, gain, PRACTICAL, SIGNIFICANT, unexplained, unharmed,
-    worthwhile, worthwhile_in_part)
+    contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
+    unharmed, worthwhile, worthwhile_in_part)
 from hst_drive.diagnose.orders import strongest_orders
 from hst_drive.diagnose.phases import in_step
 from hst_drive.effects import catalogue
@@ -166,9 +166,10 @@ class Search:
         return worthwhile(held_out, self.done(before)) or self._on_fitted(
             before, held_out, self.gain(before, after, False))
 
-    def _on_fitted(self, before: Candidate, held_out: Gain, fitted: Gain) -> bool:
+    def _on_fitted(self, before: Candidate, held_out: Gain, fitted: Gain,
+                   form: float = FORM_SHARE) -> bool:
         return unharmed(held_out) and worthwhile_in_part(
-            fitted, contribution(self.campaign, self.base, before.fit, False))
+            fitted, contribution(self.campaign, self.base, before.fit, False), form)
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -179,12 +180,13 @@ class Search:
         """
         held_out, fitted = self.gain(before, after), self.gain(before, after, False)
         done = self.done(before)
-        if self._on_fitted(before, held_out, fitted):
+        form = NEAR_NOISE * FORM_SHARE
+        if self._on_fitted(before, held_out, fitted, form):
             return True
         return unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
             and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
-            and held_out.amount[name] >= (FORM_SHARE * done[name])**2
+            and held_out.amount[name] >= (form * done[name])**2
             for name in held_out.share if name in fitted.share)
 
     def done(self, candidate: Candidate) -> dict[str, float]:

@@ -41,5 +41,5 @@ EFFECT = Effect(
            'Comparison of Low Pressure Models, Int. J. Fluid Power 13 (2012), solution after Ruan '
            'and Burton among them.',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
-    starts=({'solution': 3e-7},),
+    starts=({'solution': 3e-7}, {'fraction': 0.05, 'solution': 3e-7}),
 )

@@ -72,7 +72,7 @@ def test_formula_is_what_it_says(name):
     scaled = {'pressure': 0.8, 'speed': 1.2, 'warmth': -0.5, 'pump': 5.0, 'pprv': 3.0,
               'cosine': np.cos(1.0), 'sine': np.sin(1.0), 'torque': 1.5, 'flow': 2.0}
     variables = formula.VARIABLES[name]
-    terms = [(2.0, [variables[0], variables[0]]), (-3.0, [variables[1], variables[2]]), (0.5, [])]
+    terms = [(2.0, [variables[0], variables[0]]), (-3.0, [*variables[1:3]]), (0.5, [])]
 
     def value(given):
         return effect.function(*(given.get(key, reads.get(key))
