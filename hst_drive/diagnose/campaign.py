@@ -200,7 +200,8 @@ class Campaign:
                 floor = self.floors[index][name]
                 moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0),
                                                        1.5), replay.run.time)
-                trust = 1.0 / np.sqrt(1.0 + (replay.stamps * moving / floor)**2)
+                stamps = np.hypot(replay.stamps, replay.unsure)
+                trust = 1.0 / np.sqrt(1.0 + (stamps * moving / floor)**2)
                 columns.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                       np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
         return columns

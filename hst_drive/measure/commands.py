@@ -13,9 +13,12 @@ from __future__ import annotations
 from typing import Mapping, NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
 _EVEN = 1e-5            # s: steadier time stamps than this are even
-_FIRST = 32             # rows that the first guess of the time between them holds for
+_FIRST = 500            # rows for a first guess of the time between them
+_SLOWER = 0.1           # share by which that may be off the median of their distances
+_OF_LATE = 0.5          # s, for which a step of a command moves the drive
 _FEWEST = 8             # changes of the command below which nothing can be told
 _UNEVEN = 0.2           # of the time between rows: what varies more has no rows of its own
 _CONTRARY = 0.05        # share of the changes that may contradict; by chance it is a quarter
@@ -37,6 +40,20 @@ class Steps(NamedTuple):
     def guessed(self) -> bool:
         """Whether there are commands that no row shows."""
         return bool(np.any(self.low != self.high))
+
+    def unsure(self, period: float) -> np.ndarray:
+        """
+        Return how well it is known when what moves the drive at each row was commanded, s.
+
+        Half a period (s) where one step that no row shows is all that changed of late, next to
+        nothing where it is one of many.
+        """
+        size = max(int(_OF_LATE / period), 1)
+        change = np.abs(np.diff(self.values, prepend=self.values[0]))
+        # Windows that end at their row: the filters are shifted by half their size.
+        hidden = maximum_filter1d(np.abs(self.high - self.low), size, origin=(size - 1) // 2)
+        moved = uniform_filter1d(change, size, origin=(size - 1) // 2) * size
+        return 0.5 * period * np.minimum(hidden / np.maximum(moved, 1e-12), 1.0)
 
     def draw(self, random: np.random.Generator) -> np.ndarray:
         """Return commands that are as likely."""
@@ -95,11 +112,10 @@ def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     As they come, and none late, where that is not clear.
     """
     plain = np.arange(len(time))
-    if len(time) < _FIRST:
+    if len(time) < _FEWEST:
         return plain, np.zeros(len(time))
-    steps = np.diff(time)
-    origin, period = time[0], float(np.mean(steps[steps < 1.5 * np.median(steps)]))
-    known = _FIRST
+    known = min(_FIRST, len(time))
+    origin, period = _beat(time[:known])
     while True:
         row = np.round((time[:known] - origin) / period)
         if known == len(time):
@@ -115,3 +131,14 @@ def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if np.all(np.diff(row) > 0) and np.std(late) < _UNEVEN * period:
         return (row - row[0]).astype(int), late
     return plain, np.zeros(len(time))
+
+
+def _beat(time: np.ndarray) -> tuple[float, float]:
+    """Return a time (s) and a period (s) on whose multiples most of the stamps lie."""
+    usual = float(np.median(np.diff(time)))
+    periods = usual * np.arange(1 - _SLOWER, 1 + _SLOWER, 0.2 / len(time))
+    since = time - time[0]
+    waves = np.exp(2j * np.pi * since / periods[:, None]).mean(axis=1)
+    best = int(np.argmax(np.abs(waves)))
+    period = float(periods[best])
+    return float(time[0] + period * np.angle(waves[best]) / (2 * np.pi)), period

@@ -55,6 +55,8 @@ class PartReplay:
         White noise of each predicted signal before smoothing, SI.
     stamps : float
         How well time stamps and steps between samples are known, s.
+    unsure : float
+        How much less well the commands are.
 
     Raises
     ------
@@ -77,6 +79,7 @@ class PartReplay:
         self.signals = tuple(self.balances)
         self.inputs: dict[str, np.ndarray] = {}
         self.stamps = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
+        self.unsure = 0.0
         self._missing = np.zeros(len(run), dtype=bool)
         used = {name for name in run.channels if name in CHANNELS}
         for name in used:

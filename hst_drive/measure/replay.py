@@ -62,6 +62,8 @@ class Replay:
         Measured signals that the model gives, too.
     stamps : float
         How well time stamps and steps of the load are known, s.
+    unsure : ndarray
+        The same of the commands, row by row, s (``Steps.unsure``).
     noise : dict of str to float
         White noise of each signal, SI, estimated from the record.
     roughness : Coloured
@@ -92,6 +94,8 @@ class Replay:
         time = run.time
         self.steps = controller_steps(time, {name: filled(run[name], hold=True)
                                              for name in INPUTS})
+        self.unsure = np.max([steps.unsure(run.sample_time) for steps in self.steps.values()],
+                             axis=0)
         self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
             self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))

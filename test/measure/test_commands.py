@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Commands of rows that come now before, now after the controller's step."""
-from hst_drive.measure.commands import controller_steps
+from hst_drive.measure.commands import controller_steps, Steps
 from hypothesis import given, settings, strategies as st
 import numpy as np
 
@@ -65,3 +65,18 @@ def test_what_lost_rows_would_have_shown_is_halfway(seed, jitter):
         steps.values, shown[kept]))
     assert error < 0.93 * held
     assert (steps.low != steps.high)[:-1][lost].mean() > 0.2
+
+
+def test_a_single_step_that_no_row_shows_is_known_to_half_a_period():
+    """One of many such steps shifts what follows by next to nothing."""
+    time = np.arange(400) * 0.01
+    values = np.where(time < 2.0, 1.0, 3.0)
+    hidden = np.where(np.arange(400) == 199, 2.0, 0.0)
+    for step, high in ((0.0, hidden), (1.0, hidden)):
+        command = values + step * np.sin(40 * time)
+        unsure = Steps(command, command, command + high).unsure(0.01)
+        assert np.all(unsure[:190] == 0.0) and np.all(unsure[260:] == 0.0)
+        if step:
+            assert 0.0 < unsure[210] < 2e-3
+        else:
+            assert np.allclose(unsure[200:240], 5e-3)
