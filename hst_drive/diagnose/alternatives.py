@@ -11,6 +11,7 @@ from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.effects import catalogue
 
 _RIVALS_TRIED = 6
+_NEARLY = 0.1           # of what the best takes away: who leaves no more is tried, too
 BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
@@ -63,13 +64,16 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     kept = best.fit.model.without(name)
     without = best.fit._replace(errors=search.campaign.errors(kept))
     others = tuple(entry for entry in best.names if entry != name)
-    singles = sorted((entry for entry in search.candidates
-                      if entry not in best.names), key=lambda entry: search.single(entry).score)
+    scores = {entry: search.single(entry).score for entry in search.candidates
+              if entry not in best.names}
+    singles = sorted(scores, key=scores.get)
+    limit = best.score + _NEARLY * (search.baseline.score - best.score)
+    alike = [entry for entry in singles
+             if entry in catalogue()[name].alike or scores[entry] <= limit]
     if others:
         # Beside others the best alone may be what explains those: the most alike come first.
         likeness = search.likeness(name)
         singles.sort(key=lambda entry: -likeness(entry))
-    alike = [entry for entry in singles if entry in catalogue()[name].alike]
     tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',

@@ -11,10 +11,11 @@ from hst_drive.diagnose.alternatives import alternatives
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
-from hst_drive.diagnose.fit import Fit, SIGMAS
+from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import CLEAN_FITTED, excess
 from hst_drive.diagnose.observable import visibility
+from hst_drive.diagnose.odd_log import odd_log
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
@@ -86,6 +87,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if not remaining and (left or doubt):
         remaining = unknowns.describe(campaign, best.fit, doubt)
     drifting = [entry for entry in drifting if entry.channel in left]
+    odd = odd_log(campaign) if left and not drifting else None
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     order = _order(search, best)
@@ -104,6 +106,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             # What is named beside a sensor that drifts may be the drift.
             *(f'{entry.told}; mend the sensor or leave its column out first.'
               for entry in drifting),
+            *([] if odd is None else [
+                f'{(*runs, *holdout)[odd].source} is unlike the others, which the model explains: '
+                'look at its units and sensors first, or leave it out.']),
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
               f"be missing{', too small to tell' if verdict == 'none' else ' as well'}."
@@ -178,7 +183,8 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
 
 def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
     start = excess(ladder[1].holdout)
-    return [max((excess(before.holdout) - excess(after.holdout)) / start, 0.0) if start else 0.0
+    return [min(max((excess(before.holdout) - excess(after.holdout)) / start, 0.0), 1.0)
+            if start else 0.0
             for before, after in zip(ladder[1:], ladder[2:])]
 
 
@@ -216,7 +222,7 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
 def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
     return tuple(sorted(
         (Calibrated(key, math.exp(value), value / campaign.tolerances[key],
-                    abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key])
+                    at_limit(campaign, key, value))
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 
 
@@ -249,12 +255,20 @@ def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], re
         return ('Nothing is missing: the model, calibrated within the tolerances, explains these '
                 f'logs down to the noise (worst held-out: {title}, {first[signal]:.2f} times).')
     if verdict == 'missing_effect':
-        return f'The model lacks {lacks}. {falls}'
+        return f'The model lacks {lacks}. {falls}{_stays(last)}'
     if verdict == 'ambiguous':
-        return f'The model lacks {lacks}: these logs cannot tell which. {falls}'
+        return f'The model lacks {lacks}: these logs cannot tell which. {falls}{_stays(last)}'
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
         place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.'
     start = f'The model lacks {lacks}, and something' if effects else 'The model lacks something'
     return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
+
+
+def _stays(last: dict[str, float]) -> str:
+    """Say what stays well above the noise though it counts as explained."""
+    worst = max(last, key=last.get)
+    return '' if last[worst] <= CLEAN_FITTED else (
+        f' {CHANNELS[worst].title.capitalize()} stays at {last[worst]:.1f} times: no more than '
+        'chance and other formulas of it make.')

@@ -292,6 +292,11 @@ def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     return np.clip(trial, unknowns.low, unknowns.high)
 
 
+def at_limit(campaign: Campaign, key: str, value: float) -> bool:
+    """Say whether a factor of the unit (natural logarithm) sits at the limit of its tolerance."""
+    return abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key]
+
+
 def at_its_end(model: Model, name: str) -> bool:
     """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
     shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]

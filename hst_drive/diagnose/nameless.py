@@ -50,15 +50,19 @@ class Trial(NamedTuple):
     freer: Freer | None = None
 
 
+def faint(model: Model, freer: Freer) -> Model:
+    """Return a model with next to nothing of a formula, where its fit starts."""
+    size = _FAINT * FORMULAS[freer.formula].parameters[0].typical
+    return model.with_effect(freer.formula, values(
+        freer.formula, [(size, term) for term in freer.terms]))
+
+
 def fitted_freer(campaign: Campaign, model: Model, freer: Freer,
                  known: np.ndarray | None = None) -> Trial | None:
     """Fit a model with a formula; None if the rig has adopted that already."""
-    formula = freer.formula
-    if formula in campaign.rig.effects:
+    if freer.formula in campaign.rig.effects:
         return None
-    faint = _FAINT * FORMULAS[formula].parameters[0].typical
-    start = model.with_effect(formula, values(formula, [(faint, term) for term in freer.terms]))
-    return Trial(freer.what, fit(campaign, start, known=known), freer.unknown, freer)
+    return Trial(freer.what, fit(campaign, faint(model, freer), known=known), freer.unknown, freer)
 
 
 def beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] | None:

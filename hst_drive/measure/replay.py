@@ -186,6 +186,8 @@ class Replay:
         if reading is None and 'motor_speed' not in self.run and 'motor_inlet_flow' in self.run:
             return self._speed      # which the flow meter gave
         speed = self._speed if reading is None else reading
+        speed = speed - drive.slot('speed_reading', motor_speed=speed,
+                                   oil_temperature=self.inputs['oil_temperature'])
         for slot in ('speed_reading_lag', 'speed_reading_series_lag'):
             speed = self.readings.ahead(speed, drive.slot(slot))
         return speed

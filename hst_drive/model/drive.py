@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import copy
 from difflib import get_close_matches
-from typing import Mapping
+from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, left_out
 from hst_drive.effects.base import arguments
@@ -118,9 +118,14 @@ class Drive:
         known = catalogue(everything=True)
         return any(known[name].slot == 'shaft_compliance' for name in self.effects)
 
-    def slot(self, slot: str, **known: float) -> float:
-        """Return the sum of the effects at a slot, but for those that read what is not given."""
-        total = 0.0
+    def slot(self, slot: str, **known: Any) -> Any:
+        """
+        Return the sum of the effects at a slot, but for those that read what is not given.
+
+        ``known`` maps what they may read (``READABLE``, SI) to numbers, or to arrays of one shape
+        where their functions are plain arithmetic.
+        """
+        total: Any = 0.0
         for name, values in self.effects.items():
             for place, function in catalogue(everything=True)[name].terms:
                 given = {**known, **values}

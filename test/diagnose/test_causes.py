@@ -1,0 +1,58 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One cause that is not listed: a sensor wrong in zero or span, a datasheet, one recording."""
+from dataclasses import replace
+
+from bench.campaigns import as_runs
+from hst_drive.diagnose.decide import diagnose
+import pytest
+
+from ..truth import make_campaign
+
+pytestmark = pytest.mark.needs_numba
+
+
+@pytest.fixture(scope='module')
+def healthy():
+    """Return the rig and the recordings of a drive that lacks nothing."""
+    return as_runs(make_campaign(45, {}))
+
+
+def read_wrong(runs, signal, span=1.0, zero=0.0):
+    """Return recordings in which a sensor reads wrong."""
+    return [replace(run, channels={**run.channels, signal: span * run[signal] + zero})
+            for run in runs]
+
+
+@pytest.mark.parametrize('signal, span, zero', [
+    ('load_torque', 1.0, 6.0), ('motor_speed', 1.03, 0.0), ('pump_outlet_pressure', 0.94, 0.0)])
+def test_a_sensor_wrong_in_zero_or_span_is_told_and_can_be_adopted(healthy, signal, span, zero):
+    rig, runs, held = healthy
+    found = diagnose(rig, *(read_wrong(logs, signal, span, zero) for logs in (runs, held)))
+    assert found.verdict == 'unknown' and not found.effects
+    assert (found.unknown.enters, found.unknown.signal) == ('sensor', signal)
+    assert max(found.unknown.formula.after.values()) < 1.2
+
+
+def test_a_wrong_number_of_the_datasheet_is_told(healthy):
+    rig, runs, held = healthy
+    motor = replace(rig.motor, displacement=rig.motor.displacement / 0.94)
+    found = diagnose(replace(rig, motor=motor), runs, held)
+    assert found.verdict == 'unknown' and not found.effects
+    assert 'a motor.displacement' in found.unknown.expression
+    assert 'below' in found.unknown.expression
+
+
+def test_a_recording_unlike_the_others_is_named(healthy):
+    """Its torque is in ft.lb under a heading that says N.m."""
+    rig, runs, held = healthy
+    odd, = read_wrong(runs[1:2], 'load_torque', 0.7376)
+    found = diagnose(rig, [runs[0], odd, *runs[2:]], held)
+    assert found.verdict == 'unknown'
+    assert found.sentence.startswith(f'{odd.source} is unlike the others')
+
+
+def test_a_healthy_drive_has_no_odd_recording(healthy):
+    rig, runs, held = healthy
+    found = diagnose(rig, runs, held)
+    assert found.verdict == 'none' and 'unlike' not in found.sentence
