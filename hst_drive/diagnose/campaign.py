@@ -13,7 +13,7 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple, Sequence
+from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.measure.floor import replay_floor
@@ -205,6 +205,17 @@ class Campaign:
                 columns.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                       np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
         return columns
+
+    def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
+        """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
+        part, nothing = copy.copy(self), np.zeros(0, dtype=int)
+        if all_to_fit:
+            part._weights = [np.abs(weight) for weight in self._weights]
+        part.columns = [
+            column._replace(fit=nothing, judge=nothing) if not wanted(column.log) else
+            column._replace(fit=np.sort(np.concatenate([column.fit, column.judge])))
+            if all_to_fit else column for column in self.columns]
+        return part
 
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""

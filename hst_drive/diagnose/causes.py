@@ -105,15 +105,19 @@ def _strained(search: Search, fitted: Fit) -> bool:
                for key, value in fitted.model.factors.items())
 
 
+def misreadings(campaign: Campaign) -> Iterator[Freer]:
+    """Yield what the readings of a campaign may be off by: a zero and a span."""
+    for signal, (formula, variable, unit) in _READINGS.items():
+        if signal in campaign.signals and formula not in campaign.rig.effects:
+            title = CHANNELS[signal].title
+            yield Freer(
+                f'a wrong zero or span in the reading of {title}', formula, ((), (variable,)),
+                Unknown('sensor', signal, (signal,), f'reading of {title} [{unit}]', (), 0.0))
+
+
 def _misread(search: Search) -> Iterator[_Cause]:
     """Yield readings that are wrong in zero and span."""
-    for signal, (formula, variable, unit) in _READINGS.items():
-        if signal not in search.campaign.signals or formula in search.campaign.rig.effects:
-            continue
-        title = CHANNELS[signal].title
-        freer = Freer(
-            f'a wrong zero or span in the reading of {title}', formula, ((), (variable,)),
-            Unknown('sensor', signal, (signal,), f'reading of {title} [{unit}]', (), 0.0))
+    for freer in misreadings(search.campaign):
         # From the datasheet: a unit calibrated without the cause has strayed to make up for it.
         yield _Cause(search.campaign, faint(Model(), freer), search.factors,
                      lambda found, freer=freer: Trial(freer.what, found, freer.unknown, freer))

@@ -107,8 +107,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'{entry.told}; mend the sensor or leave its column out first.'
               for entry in drifting),
             *([] if odd is None else [
-                f'{(*runs, *holdout)[odd].source} is unlike the others, which the model explains: '
-                'look at its units and sensors first, or leave it out.']),
+                f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
+                f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
             _sentence(verdict, effects, ladder, remaining).strip(),
             *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
               f"be missing{', too small to tell' if verdict == 'none' else ' as well'}."

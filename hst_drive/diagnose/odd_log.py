@@ -1,48 +1,42 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-A recording that is unlike the others of its campaign.
+A recording in which a sensor reads otherwise than in the others of its campaign.
 
 Physics that a model lacks is there in all recordings that visit where it shows. Where all but one
-are explained, and that one is far off, something was different there: a unit in a column's
-heading, a sensor that was changed, another machine.
+are explained, and that one is once a sensor's zero and span are set right, something was different
+there: the unit in a column's heading, a sensor that was changed, another machine.
 """
 from __future__ import annotations
 
-import copy
-
 from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import calibrated
+from hst_drive.diagnose.causes import misreadings
+from hst_drive.diagnose.fit import calibrated, Fit, fit
 from hst_drive.diagnose.judge import unexplained
-import numpy as np
+from hst_drive.diagnose.nameless import faint
 
-_FAR = 3.0      # noise ratio of the odd one
 _FEWEST = 3     # recordings: of two nobody could tell which is odd
+_PATIENT = 8    # steps of a fit
 
 
-def odd_log(campaign: Campaign) -> int | None:
-    """Return the number of the recording without which the others are explained, if one is."""
+def odd_log(campaign: Campaign) -> tuple[int, str] | None:
+    """Return the number of the odd recording and what is different there, if one is."""
     if len(campaign.replays) < _FEWEST:
         return None
     for log in range(len(campaign.replays)):
-        others = _only(campaign, lambda place: place != log)
+        others = campaign.of_logs(lambda place: place != log)
         if not any(len(column.fit) for column in others.columns):
             continue
-        fitted = calibrated(others)
-        if any(unexplained(others, fitted, {}, held_out) for held_out in (True, False)):
+        unit = calibrated(others)
+        if _left(others, unit):
             continue
-        alone = _only(campaign, lambda place: place == log)
-        left = [ratio for held_out in (True, False)
-                for ratio in alone.ratios(fitted.errors, held_out).values()]
-        if max(left, default=0.0) > _FAR:
-            return log
+        alone = campaign.of_logs(lambda place: place == log, all_to_fit=True)
+        for freer in misreadings(campaign):
+            start = faint(unit.model, freer)
+            if not _left(alone, fit(alone, start, iterations=_PATIENT)):
+                return log, freer.what
     return None
 
 
-def _only(campaign: Campaign, wanted) -> Campaign:
-    """Return the campaign with the samples of some recordings alone."""
-    part = copy.copy(campaign)
-    nothing = np.zeros(0, dtype=int)
-    part.columns = [column if wanted(column.log) else column._replace(fit=nothing, judge=nothing)
-                    for column in campaign.columns]
-    return part
+def _left(campaign: Campaign, fitted: Fit) -> bool:
+    return any(unexplained(campaign, fitted, {}, held_out) for held_out in (True, False))

@@ -30,6 +30,7 @@ _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to
 _ALIKE = 1e-3       # of the cost: two starts that differ by less lead to the same place
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
+_FEW_STARTS = 3     # of an effect that are tried beside others, too
 _ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
@@ -129,7 +130,9 @@ class Search:
             return [start.with_effect(name, {**values, order: float(entry)})
                     for entry in found] or trials[:1]
         alone = self._known.get((name,))
-        further = catalogue(everything=True)[name].starts if alone is None else ()
+        further = catalogue(everything=True)[name].starts
+        if alone is not None and len(further) > _FEW_STARTS:
+            further = ()
         trials += [start.with_effect(name, {**values, **entry}) for entry in further]
         if alone is not None:
             trials.append(start.with_effect(name, alone.fit.model.effects[name]))
@@ -138,7 +141,9 @@ class Search:
             # What is as good as one that comes before is not told from it by noise.
             kept.setdefault(round(np.log(promise) / _ALIKE), (promise, model))
         best = sorted(kept.values(), key=lambda entry: entry[0])
-        return [model for _, model in best[:2 if further else 1]]
+        found = [model for _, model in best[:2 if further else 1]]
+        # Where the error has several valleys a start does not tell how deep its own is.
+        return found if not further or trials[0] in found else [*found, trials[0]]
 
     def _promise(self, model: Model) -> float:
         errors = self.campaign.errors(model, to_fit=True)
