@@ -13,8 +13,9 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Sequence
 
+from hst_drive.diagnose.columns import Column, columns
 from hst_drive.effects import catalogue
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
@@ -25,7 +26,6 @@ from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX, SCALED
 from hst_drive.rig import Rig
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
@@ -65,22 +65,6 @@ class Model:
                                       if key != name})
 
 
-class Column(NamedTuple):
-    """
-    One signal of one log.
-
-    ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
-    is below 1 where the signal moves so fast that the time stamps matter.
-    """
-
-    log: int
-    signal: str
-    fit: np.ndarray
-    judge: np.ndarray
-    scale: float
-    trust: np.ndarray
-
-
 class Campaign:
     """
     Recordings to fit on and recordings to judge on.
@@ -114,7 +98,7 @@ class Campaign:
             np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
         self._shaking = [self._shakes(replay) for replay in self.replays]
-        self.columns = self._layout()
+        self.columns = columns(self.replays, self.floors, self._weights)
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -192,29 +176,14 @@ class Campaign:
         part[time < SETTLE] = 0
         return part
 
-    def _layout(self) -> list[Column]:
-        columns = []
-        for index, (replay, part) in enumerate(zip(self.replays, self._weights)):
-            for name in replay.signals:
-                valid = np.isfinite(replay.run[name])
-                floor = self.floors[index][name]
-                moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0),
-                                                       1.5), replay.run.time)
-                stamps = np.hypot(replay.stamps, replay.unsure)
-                trust = 1.0 / np.sqrt(1.0 + (stamps * moving / floor)**2)
-                columns.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
-                                      np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
-        return columns
-
     def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
-        part, nothing = copy.copy(self), np.zeros(0, dtype=int)
+        part = copy.copy(self)
         if all_to_fit:
             part._weights = [np.abs(weight) for weight in self._weights]
-        part.columns = [
-            column._replace(fit=nothing, judge=nothing) if not wanted(column.log) else
-            column._replace(fit=np.sort(np.concatenate([column.fit, column.judge])))
-            if all_to_fit else column for column in self.columns]
+        part.columns = columns(self.replays, self.floors, [
+            weight if wanted(log) else np.zeros_like(weight)
+            for log, weight in enumerate(part._weights)])
         return part
 
     def driver(self, model: Model) -> Drive:

@@ -10,7 +10,8 @@ narrow. A share of the effect's own size is added for its functional form.
 from __future__ import annotations
 
 from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit, Unknowns
+from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
 

@@ -12,8 +12,9 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit, SIGMAS
+from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
+from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
 import numpy as np
 from scipy.optimize import lsq_linear

@@ -17,20 +17,17 @@ from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
-from hst_drive.diagnose.orders import strongest_orders
 from hst_drive.diagnose.phases import in_step
+from hst_drive.diagnose.starts import starts
 from hst_drive.effects import catalogue
-import numpy as np
 
 MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
 _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
-_ALIKE = 1e-3       # of the cost: two starts that differ by less lead to the same place
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
-_FEW_STARTS = 3     # of an effect that are tried beside others, too
 _ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
@@ -99,61 +96,20 @@ class Search:
                         if item.cost < _NEAR * best.cost), key=lambda item: item.cost)
         return self._candidate(names, best)
 
+    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
+        new = next((name for name in names if name not in start.effects), None)
+        if new is None:
+            return [start]
+        alone = self._known.get((new,))
+        return starts(self.campaign, self.factors, start, new,
+                      alone.fit.model.effects[new] if alone else None)
+
     def _candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         score = self.score(found)
         if any(at_its_end(found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
-
-    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
-        """
-        Return models to fit from, those that promise most.
-
-        Typical size and a third of it, of either sign, what the effect is alone, and where its
-        declaration says, or the order of the swings that are left.
-        """
-        new = [name for name in names if name not in start.effects]
-        if not new:
-            return [start]
-        name = new[0]
-        values = self.campaign.typical(name)
-        trials = []
-        for share in (1.0, 0.3, -0.3):
-            scaled = {key: value * share if place == 0 else value
-                      for place, (key, value) in enumerate(values.items())}
-            if share < 0 and catalogue()[name].parameters[0].low >= 0:
-                continue
-            trials.append(start.with_effect(name, scaled))
-        if order := catalogue()[name].order:
-            found = strongest_orders(self.campaign, self.campaign.errors(start, to_fit=True))
-            return [start.with_effect(name, {**values, order: float(entry)})
-                    for entry in found] or trials[:1]
-        alone = self._known.get((name,))
-        further = catalogue(everything=True)[name].starts
-        if alone is not None and len(further) > _FEW_STARTS:
-            further = ()
-        trials += [start.with_effect(name, {**values, **entry}) for entry in further]
-        if alone is not None:
-            trials.append(start.with_effect(name, alone.fit.model.effects[name]))
-        kept: dict[int, tuple[float, Model]] = {}
-        for promise, model in zip(map(self._promise, trials), trials):
-            # What is as good as one that comes before is not told from it by noise.
-            kept.setdefault(round(np.log(promise) / _ALIKE), (promise, model))
-        best = sorted(kept.values(), key=lambda entry: entry[0])
-        found = [model for _, model in best[:2 if further else 1]]
-        # Where the error has several valleys a start does not tell how deep its own is.
-        return found if not further or trials[0] in found else [*found, trials[0]]
-
-    def _promise(self, model: Model) -> float:
-        errors = self.campaign.errors(model, to_fit=True)
-        return self._project(self.campaign.training(errors))
-
-    def _project(self, residual: np.ndarray) -> float:
-        """Return the squared error left once the unit's factors are free to help (linearised)."""
-        normal = self.factors.T @ self.factors + np.eye(self.factors.shape[1])
-        side = self.factors.T @ residual
-        return float(residual @ residual - side @ np.linalg.solve(normal, side))
 
     def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
         """Compare two candidates on held-out data, or on what was fitted."""

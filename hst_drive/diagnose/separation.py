@@ -16,10 +16,10 @@ from typing import Iterable, NamedTuple, Sequence
 from hst_drive.diagnose.alternatives import (
     BEATEN_SCORE, BEATEN_SHARE, gaps, uncertainty)
 from hst_drive.diagnose.campaign import BLOCK, Campaign, Model
-from hst_drive.diagnose.fit import SIGMAS, Unknowns
 from hst_drive.diagnose.rehearse import INPUTS, rehearse
 from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.diagnose.trials import SPIN_UP
+from hst_drive.diagnose.unknowns import SIGMAS, Unknowns
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive

@@ -59,7 +59,7 @@ class KeptReplay(Replay):
         return dict(signals)
 
     def _key(self, drive: Drive) -> tuple:
-        return id(drive), self._held, drive.parameters.tobytes(), drive.switches.tobytes()
+        return id(drive), self._between, drive.parameters.tobytes(), drive.switches.tobytes()
 
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         if speed is not None:
@@ -96,7 +96,7 @@ class KeptReplay(Replay):
         if time[-1] - time[0] <= LONG or not drive.kernel.compiled:
             return super()._motion(drive, time, inputs)
         return simulate_in_pieces(drive, time, inputs, self.start(drive),
-                                  lambda row: self._state(drive, row // self._parts))
+                                  lambda row: self._state(drive, row // self._between.steps))
 
     def _state(self, drive: Drive, row: int) -> np.ndarray:
         """Return the state that the signals show at a row."""
@@ -109,8 +109,9 @@ class KeptReplay(Replay):
         """Return the signals of some rows alone, from the state that their first one shows."""
         inputs = {**self.inputs, 'load_disturbance': disturbance}
         signals = drive.simulate(
-            self._finer(self.run.time[part]),
-            {name: self._finer(values[part], name in INPUTS) for name, values in inputs.items()},
+            self._between.finer(self.run.time[part]),
+            {name: self._between.finer(values[part], name in INPUTS)
+             for name, values in inputs.items()},
             self._state(drive, part.start))
-        return {name: self.readings.as_read(name, signals[name][::self._parts], part)
+        return {name: self.readings.as_read(name, self._between.at_rows(signals[name]), part)
                 for name in self.signals}

@@ -13,11 +13,13 @@ from __future__ import annotations
 from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
+from hst_drive.measure.between import Between
 from hst_drive.measure.commands import controller_steps, jitter
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
-from hst_drive.measure.shaft import behind, load_side, LoadSide, read
+from hst_drive.measure.shaft import behind, load_side, read
+from hst_drive.measure.speed import measured_speed, speed_behind
 from hst_drive.measure.start import first_state
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
@@ -99,7 +101,7 @@ class Replay:
         self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
             self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))
-        self._parts = self._subdivision(drive)
+        self._between = Between.rows(drive.rig, run.sample_time)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
             temperature = np.full(len(time), drive.rig.characterised_at)
@@ -108,13 +110,12 @@ class Replay:
         self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
-        self._held = True
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
-        if self._parts > 1:
+        if self._between.steps > 1:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.
             line, held = (self._misfit(drive, choice) for choice in (False, True))
-            self._held = held < 0.9 * line
+            self._between = self._between._replace(held=held < 0.9 * line)
             self.stamps = 0.3 * run.sample_time
         self._prepare(drive)
         if 'motor_speed' in run:
@@ -126,7 +127,7 @@ class Replay:
 
     def _misfit(self, drive: Drive, held: bool) -> float:
         """Return the squared error over the noise with one way to fill in the commands."""
-        self._held = held
+        self._between = self._between._replace(held=held)
         noise = dict(self.noise)
         self._prepare(drive)
         model = self.predict(drive).signals
@@ -147,7 +148,7 @@ class Replay:
         if self.torque:
             self._measured = filled(run[self.torque])
             if 'motor_speed' in run or 'motor_inlet_flow' in run:
-                self._speed = self._measured_speed(drive)
+                self._speed = measured_speed(drive, run, self._measured)
                 self._correct(drive)
             else:
                 # The load hardly depends on speed: two rounds with the model's own will do.
@@ -156,49 +157,31 @@ class Replay:
                     self._correct(drive)
         self._refine_noise(drive)
 
-    def _subdivision(self, drive: Drive) -> int:
-        """Return how many steps of the controller lie between two samples."""
-        period = drive.rig.controller.sample_time if drive.rig.controller else 0.01
-        return max(int(round(self.run.sample_time / period)), 1)
-
-    def _finer(self, values: np.ndarray, command: bool = False) -> np.ndarray:
-        """Return values at the steps between the samples, too."""
-        if self._parts == 1:
-            return values
-        n = len(values)
-        places = np.arange((n - 1) * self._parts + 1) / self._parts
-        if command and self._held:
-            return values[places.astype(int)]
-        return np.interp(places, np.arange(n), values)
-
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
-        command = self._finer(self.inputs['pprv_command'], command=True)
-        time, speed, temperature = (self._finer(values) for values in (
+        command = self._between.finer(self.inputs['pprv_command'], command=True)
+        time, speed, temperature = (self._between.finer(values) for values in (
             self.run.time, self._true_speed(drive) if speed is None else speed,
             self.inputs['oil_temperature']))
         angle = self.inputs.get('motor_angle')
         if angle is not None:
-            angle = self._finer(angle)
-        return drive.load_torque(time, command, speed, temperature, angle)[::self._parts]
+            angle = self._between.finer(angle)
+        return self._between.at_rows(
+            drive.load_torque(time, command, speed, temperature, angle))
 
     def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""
         if reading is None and 'motor_speed' not in self.run and 'motor_inlet_flow' in self.run:
             return self._speed      # which the flow meter gave
-        speed = self._speed if reading is None else reading
-        speed = speed - drive.slot('speed_reading', motor_speed=speed,
-                                   oil_temperature=self.inputs['oil_temperature'])
-        for slot in ('speed_reading_lag', 'speed_reading_series_lag'):
-            speed = self.readings.ahead(speed, drive.slot(slot))
-        return speed
+        return speed_behind(drive, self.readings, self._speed if reading is None else reading,
+                            self.inputs['oil_temperature'])
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
                   commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
         signals = self._motion(
-            drive, self._finer(self.run.time),
-            {name: self._finer(values, name in INPUTS) for name, values in inputs.items()})
-        return {name: values[::self._parts] for name, values in signals.items()}
+            drive, self._between.finer(self.run.time),
+            {name: self._between.finer(values, name in INPUTS) for name, values in inputs.items()})
+        return {name: self._between.at_rows(values) for name, values in signals.items()}
 
     def _motion(self, drive: Drive, time: np.ndarray,
                 inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -229,15 +212,6 @@ class Replay:
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True
 
-    def _measured_speed(self, drive: Drive) -> np.ndarray:
-        """Return the speed (rad/s), from the flow meter if need be."""
-        if 'motor_speed' in self.run:
-            return filled(self.run['motor_speed'])
-        motor, flow = drive.rig.motor, filled(self.run['motor_inlet_flow'])
-        pressure = np.maximum(self._measured, 0.0) / motor.displacement
-        return (flow - motor.leakage(pressure, np.abs(flow) / motor.displacement)
-                ) / motor.displacement
-
     def _refine_noise(self, drive: Drive) -> None:
         """
         Let the model take the motion away that a slow record cannot tell from noise.
@@ -245,10 +219,7 @@ class Replay:
         Below four samples in a period of the hydraulic resonance that is not enough, since its
         ringing to the load is not in the model: then the sensor has no more noise than stated.
         """
-        motor, line = drive.rig.motor, drive.rig.line
-        resonance = motor.displacement * np.sqrt(
-            line.bulk_modulus / (line.volume * motor.inertia))
-        slow = self.run.sample_time > 0.5 * np.pi / resonance
+        slow = self.run.sample_time > 0.5 * np.pi / drive.resonance
         model = self.predict(drive).signals
         for name in self.signals:
             if name != self.torque:
@@ -274,28 +245,22 @@ class Replay:
     def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         rest = self._unexplained(load)
         if drive.has_flexible_shaft:
-            speed = self._true_speed(drive)
+            speed, time = self._true_speed(drive), self.run.time
             side = load_side(drive, self._measured,
                              lambda faster: self._load_model(drive, speed + faster))
-        else:
-            side = None
-        if side:
-            rest = self._of_the_shaft(side, load, rest, speed)
-            slow = self.readings.slow(rest)
-            return slow + behind(side, self.run.sample_time, rest - slow, self.roughness)
+            if side:
+                moved = read(side, self.run.sample_time,
+                             load + side.inertia * np.gradient(speed, time))
+                # What the sensor reads without the inertia that the shaft moves.
+                rest = np.where(self._turning, rest + load - moved, 0.0)
+                slow = self.readings.slow(rest)
+                return slow + behind(side, self.run.sample_time, rest - slow, self.roughness)
         # Most effects leave the load as it is: then it need not be smoothed anew.
         known = self._smoothed
         if known is None or not np.array_equal(known[0], rest):
             slow = self.readings.slow(rest)
             known = self._smoothed = rest, slow + self._smoother(rest - slow)
         return known[1]
-
-    def _of_the_shaft(self, side: LoadSide, load: np.ndarray, rest: np.ndarray,
-                      speed: np.ndarray) -> np.ndarray:
-        """Return the reading (N.m) without the shaft's share: the inertia that it moves."""
-        step = self.run.sample_time
-        moved = read(side, step, load + side.inertia * np.gradient(speed, self.run.time))
-        return np.where(self._turning, rest + load - moved, 0.0)
 
     def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
                       added: np.ndarray) -> np.ndarray:

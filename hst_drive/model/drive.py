@@ -113,6 +113,12 @@ class Drive:
         return changed
 
     @property
+    def resonance(self) -> float:
+        """Hydraulic resonance of the oil between pump and hydromotor, rad/s."""
+        motor, line = self.rig.motor, self.rig.line
+        return motor.displacement * (line.bulk_modulus / (line.volume * motor.inertia))**0.5
+
+    @property
     def has_flexible_shaft(self) -> bool:
         """Whether a part of the inertia lies behind a shaft that twists."""
         known = catalogue(everything=True)

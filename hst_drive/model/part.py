@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import copy
 import math
-from types import FunctionType
-from typing import Any, Callable, Mapping
+from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, READABLE
-from hst_drive.effects.base import arguments
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
+from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import played
@@ -26,8 +25,6 @@ from hst_drive.rig import Rig
 import numpy as np
 
 Known = Mapping[str, Any]
-# What counts as nothing where a part has it not: a mass on a known torque has no pressure.
-_NOTHING = ('pressure', 'pump_pressure')
 
 
 class PartModel:
@@ -218,54 +215,6 @@ class PartModel:
         if line is None:
             return 0.0
         return line.volume * (1.0 / known['bulk_modulus'] + self.terms('compliance', known))
-
-
-def evaluate(function: Callable[..., Any], known: Known) -> Any:
-    """Call an effect's function with arrays; 0 where it reads what is not known."""
-    values = []
-    for name in arguments(function):
-        if name not in known and name not in _NOTHING:
-            return 0.0
-        values.append(known.get(name, 0.0))
-    try:
-        result = _over_arrays(function)(*values)
-    except ValueError:
-        # A function that branches: sample by sample.
-        result = np.vectorize(function, otypes=[float])(*values)
-    return result
-
-
-class _Math:
-    """The names of module ``math``, for arrays."""
-
-    pi, e, tau, inf, nan = math.pi, math.e, math.tau, math.inf, math.nan
-    acos, asin, atan, atan2 = np.arccos, np.arcsin, np.arctan, np.arctan2
-    acosh, asinh, atanh, pow = np.arccosh, np.arcsinh, np.arctanh, np.power
-
-    def __getattr__(self, name: str):
-        return getattr(np, name)
-
-
-def _extreme(pair: Callable) -> Callable:
-    def of(first, *rest):
-        for value in rest:
-            first = pair(first, value)
-        return first
-    return of
-
-
-def _over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return an effect's function with 'math', 'min', 'max' and 'abs' for arrays."""
-    arrays = {'max': _extreme(np.maximum), 'min': _extreme(np.minimum), 'abs': np.abs}
-    for name in function.__code__.co_names:
-        value = function.__globals__.get(name)
-        if value is math:
-            arrays[name] = _Math()
-        elif callable(value) and getattr(math, name, None) is value:
-            arrays[name] = getattr(_Math(), name)
-        elif value is not None:
-            arrays[name] = value
-    return FunctionType(function.__code__, arrays)
 
 
 def _play(command: np.ndarray, half: float, softness: float, start: float) -> np.ndarray:

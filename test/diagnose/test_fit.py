@@ -4,8 +4,9 @@
 from types import SimpleNamespace
 
 from hst_drive.diagnose.campaign import Model
-from hst_drive.diagnose.fit import fit, SIGMAS
+from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
 import numpy as np
 import pytest

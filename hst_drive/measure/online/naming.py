@@ -17,7 +17,7 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.base import Effect, Parameter, READABLE
 from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.residuals import Block
-from hst_drive.model.part import evaluate
+from hst_drive.model.arrays import evaluate
 from hst_drive.rig import Rig
 import numpy as np
 

@@ -1,0 +1,53 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The samples of a campaign: one column per signal and log, to fit on and to judge on."""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, Sequence
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+
+class Column(NamedTuple):
+    """
+    One signal of one log.
+
+    ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
+    is below 1 where the signal moves so fast that the time stamps matter.
+    """
+
+    log: int
+    signal: str
+    fit: np.ndarray
+    judge: np.ndarray
+    scale: float
+    trust: np.ndarray
+
+
+def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
+            weights: Sequence[np.ndarray]) -> list[Column]:
+    """
+    Return the columns of all logs in turn.
+
+    Parameters
+    ----------
+    replays : sequence of Replay or PartReplay
+        The logs.
+    floors : sequence of dict
+        What a perfect model would show, by signal, SI.
+    weights : sequence of ndarray
+        +1 for samples to fit on, -1 for samples to judge on, 0 for neither.
+
+    """
+    found = []
+    for index, (replay, part) in enumerate(zip(replays, weights)):
+        stamps = np.hypot(replay.stamps, replay.unsure)
+        for name in replay.signals:
+            valid, floor = np.isfinite(replay.run[name]), floors[index][name]
+            moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0), 1.5),
+                                 replay.run.time)
+            trust = 1.0 / np.sqrt(1.0 + (stamps * moving / floor)**2)
+            found.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
+                                np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
+    return found
