@@ -107,7 +107,7 @@ def jitter(time: np.ndarray) -> float:
 
 def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """
-    Number the rows, those that are lost counted, and say how late each is, s.
+    Return the number of each row, those that are lost counted, and how late it is, s.
 
     As they come, and none late, where that is not clear.
     """
