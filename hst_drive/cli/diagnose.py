@@ -16,8 +16,7 @@ from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_l
 from hst_drive.cli.output import add_json_argument, MISSING, say, size, table, write_json
 
 if TYPE_CHECKING:
-    from hst_drive.diagnose.result import Diagnosis, Unknown, Value
-    from hst_drive.effects.base import Parameter
+    from hst_drive.diagnose.result import Diagnosis, Unknown
 
 HELP = 'say which physical effect the model lacks, how large it is and how sure that is'
 
@@ -107,6 +106,7 @@ def text(result: Diagnosis, short: bool = False) -> str:
 
 
 def _effects(result: Diagnosis) -> str:
+    from hst_drive.diagnose.result import not_known
     from hst_drive.effects import catalogue
 
     rows = []
@@ -116,17 +116,9 @@ def _effects(result: Diagnosis) -> str:
             value = entry.parameters[parameter.name]
             (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
             rows.append([entry.id if place == 0 else '', parameter.name, middle,
-                         _interval(value, parameter, low, high), unit,
+                         not_known(value.low, value.high, parameter) or f'{low} to {high}', unit,
                          f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
-
-
-def _interval(value: Value, parameter: Parameter, low: str, high: str) -> str:
-    if value.low >= value.high:
-        return 'not fitted'
-    if value.low <= parameter.low and value.high >= parameter.high:
-        return 'not determined'
-    return f'{low} to {high}'
 
 
 def _ladder(result: Diagnosis) -> str:

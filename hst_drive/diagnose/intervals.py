@@ -44,8 +44,11 @@ def intervals(campaign: Campaign, fitted: Fit,
     # What moves nothing is not known at all.
     deviation[~jacobian.any(axis=0)] = np.inf
     width = norm.ppf(0.5 + level / 2) * deviation
-    low = np.maximum(vector - width, unknowns.low) * unknowns.scale
-    high = np.minimum(vector + width, unknowns.high) * unknowns.scale
+    # At a bound to the last digit: who reads it compares them.
+    low = np.where(vector - width > unknowns.low, (vector - width) * unknowns.scale,
+                   unknowns.bounds[:, 0])
+    high = np.where(vector + width < unknowns.high, (vector + width) * unknowns.scale,
+                    unknowns.bounds[:, 1])
     return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from hst_drive.effects import Parameter
 from hst_drive.errors import InputError
 
 SCHEMA = 'hst_drive/diagnosis/1'
@@ -18,6 +19,15 @@ class Value(NamedTuple):
     low: float
     high: float
     unit: str
+
+
+def not_known(low: float, high: float, parameter: Parameter) -> str:
+    """Say why an interval of a parameter, SI, tells nothing; empty if it does."""
+    if low >= high:
+        return 'not fitted'
+    if low <= parameter.low and high >= parameter.high:
+        return 'not determined'
+    return ''
 
 
 class Found(NamedTuple):

@@ -33,8 +33,8 @@ class Unknowns:
         self.factors = len(factors)     # of the unit; they come first
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
-        self.low = np.array([low for low, _ in limits]) / self.scale
-        self.high = np.array([high for _, high in limits]) / self.scale
+        self.bounds = np.array(limits).reshape(-1, 2)       # SI
+        self.low, self.high = (self.bounds / self.scale[:, None]).T
 
     def _scale(self, effect: str, key: str) -> float:
         if not effect:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 
+from hst_drive.diagnose.result import not_known
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.measure.run import CHANNELS
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
@@ -70,7 +71,9 @@ def effect_card(found: dict) -> Markup:
         value = found['parameters'][parameter.name]
         (size, unit), (low, _), (high, _) = (
             for_people(value[key], value['unit']) for key in ('value', 'low', 'high'))
-        rows.append([parameter.name, number(size, 4), f'{number(low, 4)} to {number(high, 4)}',
+        told = not_known(value['low'], value['high'], parameter)
+        rows.append([parameter.name, number(size, 4),
+                     told or f'{number(low, 4)} to {number(high, 4)}',
                      '' if unit == '1' else unit, parameter.meaning])
     removed = found.get('error_removed')
     rivals = found.get('indistinguishable_from') or []

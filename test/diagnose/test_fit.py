@@ -4,7 +4,7 @@
 from types import SimpleNamespace
 
 from hst_drive.diagnose.campaign import Model
-from hst_drive.diagnose.fit import fit
+from hst_drive.diagnose.fit import Fit, fit
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
@@ -99,3 +99,16 @@ def test_intervals_hold_the_truth_though_errors_are_alike_within_a_block():
 
 def test_intervals_are_not_too_wide_where_samples_are_independent():
     assert 0.88 <= covered(None) <= 0.985
+
+
+@pytest.mark.parametrize('name, key', [
+    (name, entry.name) for name, effect in catalogue().items() for entry in effect.parameters])
+def test_what_moves_nothing_has_the_declared_bounds_to_the_last_digit(name, key):
+    campaign = problem(1, (0.0, 0.0, 0.0))
+    campaign.tolerances = {}
+    jacobian = np.zeros((ROWS, 1))
+    campaign.fits = lambda effect, parameter: parameter == key
+    parameter = catalogue()[name].parameter(key)
+    found = intervals(campaign, Fit(Model({name: catalogue()[name].typical}),
+                                    [campaign.values], 0.0, ((name, key),), jacobian))
+    assert found[name, key] == (parameter.low, parameter.high)
