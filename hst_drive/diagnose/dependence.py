@@ -10,7 +10,8 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL
 from hst_drive.diagnose.places import Place, WINDOW
-from hst_drive.effects.formula import FLOW, PRESSURE, REFERENCE, SPEED, TORQUE, WARMTH
+from hst_drive.effects.formula import (
+    FLOW, PRESSURE, REFERENCE, SPEED, TEXTS, TORQUE, WARMTH, written)
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.drive import turned
 import numpy as np
@@ -227,16 +228,15 @@ def expression(place: Place, terms: Sequence[dict]) -> str:
     """Return the formula as text."""
     if not terms:
         return f'{place.name} [{place.unit}]: no formula of few terms holds on held-out data'
-    texts = []
-    for term in terms:
-        factors = []
-        for name in term['variables']:
-            if name not in SCALES:
-                factors.append(name)
-                continue
-            size, shift, _ = SCALES[name]
-            unit = CHANNELS[name].unit
-            inner = f'({name} - {shift:g} {unit})' if shift else name
-            factors.append(f'({inner} / {size:g} {unit})')
-        texts.append(' * '.join([f'{term["coefficient"]:.3g}', *factors]))
-    return f'{place.name} [{place.unit}] += ' + ' + '.join(texts)
+    return written(f'{place.name} [{place.unit}]', [
+        (term['coefficient'], [_text(name) for name in term['variables']]) for term in terms])
+
+
+def _text(name: str) -> str:
+    """Return a variable, scaled to about one, for people."""
+    if name not in SCALES:
+        return name
+    size, _, known = SCALES[name]
+    if not known:
+        return f'({name} / {size:g} {CHANNELS[name].unit})'
+    return TEXTS[known].replace('(pressure', f'({name}')

@@ -12,7 +12,7 @@ from hst_drive.diagnose.judge import (
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.unknown import Carried, worth
-from hst_drive.effects.formula import FORMULAS, TEXTS, values
+from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
@@ -117,9 +117,8 @@ def told_as(campaign: Campaign, bare: Fit, trial: Trial) -> Unknown | None:
         return trial.unknown
     formula, terms = trial.freer.formula, trial.freer.terms
     own = trial.fit.model.effects[formula]
-    summed = ' + '.join(' * '.join([f"{own[f'coefficient_{place}']:.3g}",
-                                    *(TEXTS[variable] for variable in term)])
-                        for place, term in enumerate(terms, 1))
     return trial.unknown._replace(
-        expression=f'{trial.unknown.expression} += {summed}',
+        expression=written(trial.unknown.expression, [
+            (own[f'coefficient_{place}'], [TEXTS[variable] for variable in term])
+            for place, term in enumerate(terms, 1)]),
         formula=worth(campaign, bare, Carried(formula, trial.fit)))

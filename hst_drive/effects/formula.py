@@ -7,6 +7,7 @@ A diagnosis that ends with 'unknown' describes what is missing by such a formula
 into the drive. They are not searched and not listed: they explain nothing.
 """
 import math
+from typing import Iterable, Sequence
 
 from hst_drive.effects.base import Effect, Parameter
 
@@ -166,6 +167,12 @@ FORMULAS: dict[str, Effect] = {effect.id: effect for effect in (
     _declare('formula_speed_reading', 'a formula for what is wrong with the speed reading',
              'speed_reading', speed_error, 'rad/s', 0.1),
 )}
+
+
+def written(what: str, terms: Iterable[tuple[float, Sequence[str]]]) -> str:
+    """Return a formula as text: what it adds to, and its terms' coefficients and factors."""
+    texts = (' * '.join([f'{coefficient:.3g}', *factors]) for coefficient, factors in terms)
+    return f'{what} += {" + ".join(texts)}'.replace('+ -', '- ')
 
 
 def values(name: str, terms) -> dict[str, float]:

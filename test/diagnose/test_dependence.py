@@ -51,8 +51,9 @@ def test_noise_has_no_formula():
     assert 'no formula of few terms holds' in expression(PLACE, terms)
 
 
-def test_the_text_is_in_si():
-    terms = [{'variables': ['pump_outlet_pressure', 'oil_temperature'], 'coefficient': 5.0}]
+def test_the_text_says_each_scale_and_sign():
+    terms = [{'variables': ['pump_outlet_pressure', 'oil_temperature'], 'coefficient': 5.0},
+             {'variables': ['pump_speed'], 'coefficient': -0.5}]
     assert expression(PLACE, terms) == (
-        'torque of the hydromotor [N.m] += 5 * (pump_outlet_pressure / 1e+07 Pa) * '
-        '((oil_temperature - 323.15 K) / 10 K)')
+        'torque of the hydromotor [N.m] += 5 * (pump_outlet_pressure / 100 bar) * '
+        '((oil_temperature - 50 degC) / 10 K) - 0.5 * (pump_speed / 100 rad/s)')
