@@ -6,10 +6,10 @@ One cause that is not listed, in the place of all that was found.
 Two or three effects together imitate much: the wrong zero of a torque sensor looks like another
 zero of the pressure sensor and a gear that takes its share. So does one with a unit that is as far
 off as its tolerances let it. So where several effects were needed, or such a unit, or they do not
-explain all, causes with one number or two are tried alone: a reading that is wrong
-in zero and span, and a number of the datasheet that is off by more than its tolerance. Of what
-explains the recordings as well the simpler is the better answer (H. Jeffreys, Theory of
-Probability, Oxford 1939).
+explain all, causes with one number or two are tried alone: a reading that is wrong in zero and
+span, and a number of the datasheet that is off by more than its tolerance. Of what explains the
+recordings as well the simpler is the better answer (H. Jeffreys, Theory of Probability, Oxford
+1939). A listed effect of the same sensor stays: the cause is only another formula of it.
 """
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.strangers import Stranger
+from hst_drive.effects import catalogue
+from hst_drive.effects.formula import FORMULAS
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
@@ -38,9 +40,10 @@ _READINGS = {
     'pump_outlet_pressure': ('formula_pressure_reading', 'pressure', 'Pa'),
     'motor_inlet_flow': ('formula_flow_reading', 'flow', 'm^3/s'),
 }
-# Section of the rig, and the quantities of it that enter elsewhere.
-_ENTERS = {'pump': 'pump_actuator', 'motor': 'torque', 'line': 'flow', 'loading': 'load',
-           'pump.leakage': 'flow', 'motor.leakage': 'flow', 'motor.displacement': 'flow'}
+# Number of the datasheet, and where it enters. Leakage, lag and efficiency have effects of theirs.
+_NUMBERS = {'motor.displacement': 'flow', 'motor.inertia': 'torque', 'line.bulk_modulus': 'flow',
+            'pump.displacement_vs_command': 'pump_actuator', 'loading.pprv_pressure': 'load',
+            'loading.pprv_lag': 'load', 'loading.pprv_override': 'load'}
 
 
 class _Cause(NamedTuple):
@@ -70,7 +73,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
         return None
     if not left and len(best.names) == 1 and not _strained(search, best.fit):
         return None
-    causes = [*_misread(search), *_mistaken(search)]
+    causes = [*_misread(search, best), *_mistaken(search)]
     with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
         fits = list(pool.map(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
                                                iterations=_PATIENT), causes))
@@ -115,9 +118,12 @@ def misreadings(campaign: Campaign) -> Iterator[Freer]:
                 Unknown('sensor', signal, (signal,), f'reading of {title} [{unit}]', (), 0.0))
 
 
-def _misread(search: Search) -> Iterator[_Cause]:
-    """Yield readings that are wrong in zero and span."""
+def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
+    """Yield readings that are wrong in zero and span, but for those of which a set says so."""
+    said = {catalogue()[name].slot for name in best.names}
     for freer in misreadings(search.campaign):
+        if FORMULAS[freer.formula].slot in said:
+            continue
         # From the datasheet: a unit calibrated without the cause has strayed to make up for it.
         yield _Cause(search.campaign, faint(Model(), freer), search.factors,
                      lambda found, freer=freer: Trial(freer.what, found, freer.unknown, freer))
@@ -126,6 +132,8 @@ def _misread(search: Search) -> Iterator[_Cause]:
 def _mistaken(search: Search) -> Iterator[_Cause]:
     """Yield numbers of the datasheet that may be off beyond their tolerances."""
     for place, (key, tolerance) in enumerate(search.campaign.tolerances.items()):
+        if key not in _NUMBERS:
+            continue
         campaign = copy.copy(search.campaign)
         campaign.tolerances = {**campaign.tolerances, key: _WIDER * tolerance}
         known = search.factors.copy()
@@ -140,5 +148,5 @@ def _off(search: Search, key: str, found: Fit, many: float) -> Trial:
     share = np.expm1(found.model.factors[key])
     what = (f"a {key} {100 * abs(share):.1f} % {'above' if share > 0 else 'below'} the "
             f"datasheet's ({many:.0f} times its tolerance)")
-    enters = _ENTERS.get(key, _ENTERS[key.split('.')[0]])
-    return Trial(what, found, Unknown(enters, search.campaign.signals[0], (), what, (), 0.0))
+    return Trial(what, found, Unknown(
+        _NUMBERS[key], search.campaign.signals[0], (), what, (), 0.0))

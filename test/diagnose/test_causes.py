@@ -56,3 +56,11 @@ def test_a_healthy_drive_has_no_odd_recording(healthy):
     rig, runs, held = healthy
     found = diagnose(rig, runs, held)
     assert found.verdict == 'none' and 'unlike' not in found.sentence
+
+
+def test_a_sensor_that_a_listed_effect_explains_keeps_that_name():
+    """Though zero and span are a freer formula of it."""
+    made = make_campaign(46, {'torque_sensor_scale': {'size': 1.0, 'form': 'bent'}})
+    rig, runs, held = as_runs(made)
+    found = diagnose(rig, runs, held)
+    assert [entry.id for entry in found.effects] == ['torque_sensor_scale']
