@@ -40,8 +40,7 @@ class Answer(NamedTuple):
 
 def answering(campaign: Campaign, answer: Answer, number: float) -> Campaign:
     """Return the campaign with a drive that answers in this way."""
-    changed = copy.copy(campaign)
-    changed.replays = [copy.copy(replay) for replay in campaign.replays]
+    changed = campaign.copied()
     for replay in changed.replays:
         answer.change(campaign, replay, number)
     return changed

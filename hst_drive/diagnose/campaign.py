@@ -179,18 +179,20 @@ class Campaign:
     def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
         part = copy.copy(self)
-        if all_to_fit:
-            part._weights = [np.abs(weight) for weight in self._weights]
-        part.columns = columns(self.replays, self.floors, [
-            weight if wanted(log) else np.zeros_like(weight)
-            for log, weight in enumerate(part._weights)])
+        part._weights = [(np.abs(weight) if all_to_fit else weight) * wanted(log)
+                         for log, weight in enumerate(self._weights)]
+        part.columns = columns(self.replays, self.floors, part._weights)
         return part
+
+    def copied(self) -> Campaign:
+        """Return a campaign whose recordings can be changed while others use these."""
+        other = copy.copy(self)
+        other.replays = [copy.copy(replay) for replay in self.replays]
+        return other
 
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
-        drive = copy.copy(self.drive)
-        drive.parameters, drive.switches = drive.parameters.copy(), drive.switches.copy()
-        drive.effects = dict(self.drive.effects)
+        drive = self.drive.copied()
         for key, value in model.factors.items():
             drive.parameters[INDEX[SCALED[key]]] *= np.exp(value)
         for name, values in model.effects.items():

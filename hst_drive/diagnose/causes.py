@@ -20,7 +20,8 @@ from typing import Callable, Container, Iterator, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_limit, Fit, fit, score
-from hst_drive.diagnose.nameless import faint, Freer, much_left, sure, told_as, Trial
+from hst_drive.diagnose.nameless import (
+    faint, Freer, much_left, PATIENT, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
@@ -30,7 +31,6 @@ from hst_drive.effects.formula import FORMULAS
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
-_PATIENT = 8        # steps of a fit
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
 # Signal: its formula, the variable of that, and the unit.
@@ -76,17 +76,17 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
     causes = [*_misread(search, best), *_mistaken(search)]
     with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
         fits = list(pool.map(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
-                                               iterations=_PATIENT), causes))
+                                               iterations=PATIENT), causes))
     near = sorted(zip(causes, fits), key=lambda pair: score(search.campaign, pair[1]))
     for cause, found in near[:_NEAREST]:
-        found = fit(cause.campaign, found.model, iterations=_PATIENT, refresh=True)
+        found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
         if _explains(search, best, found, left):
             trial = cause.told(found)
             said = 'more' if left else (
                 f"as much as {' and '.join(best.names)} together" if len(best.names) > 1 else
                 f'more than {best.names[0]}')
             return Stranger(f'{trial.what} alone explains {said}',
-                            told_as(search.campaign, search.base, trial))
+                            told_as(search.campaign, lambda: search.base, trial))
     return None
 
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
 _IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
-IN_EVENTS = 0.5        # the same where it shows in a few blocks
+IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10

@@ -3,7 +3,7 @@
 """Trials of what is not listed: formulas fitted in a model, and whether they are better."""
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
@@ -20,7 +20,7 @@ import numpy as np
 # judged on what it was fitted to as well.
 _SURE = 5.0
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
-_PATIENT = 8            # steps of the fit that gives an effect the same chance
+PATIENT = 8             # steps of a fit that gets the same chance as another
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
 
@@ -91,7 +91,7 @@ def sure(search: Search, best: Candidate, trial: Fit) -> tuple[str, float] | Non
         return None
     effects = {key: trial.model.effects.get(key, own)
                for key, own in best.fit.model.effects.items()}
-    fitted = fit(search.campaign, Model(effects, trial.model.factors), iterations=_PATIENT)
+    fitted = fit(search.campaign, Model(effects, trial.model.factors), iterations=PATIENT)
     again = Candidate(best.names, fitted, score(search.campaign, fitted))
     return beaten(search, min(best, again, key=lambda item: item.score), trial)
 
@@ -111,7 +111,7 @@ def share_of(beaten: tuple[str, float]) -> str:
     return f'{100 * share:.0f} % less squared error of {CHANNELS[signal].title}'
 
 
-def told_as(campaign: Campaign, bare: Fit, trial: Trial) -> Unknown | None:
+def told_as(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:
     """Return what a trial would be told as, with the formula to adopt over a bare model."""
     if trial.unknown is None or trial.freer is None:
         return trial.unknown
@@ -121,4 +121,4 @@ def told_as(campaign: Campaign, bare: Fit, trial: Trial) -> Unknown | None:
         expression=written(trial.unknown.expression, [
             (own[f'coefficient_{place}'], [TEXTS[variable] for variable in term])
             for place, term in enumerate(terms, 1)]),
-        formula=worth(campaign, bare, Carried(formula, trial.fit)))
+        formula=worth(campaign, bare(), Carried(formula, trial.fit)))

@@ -13,10 +13,9 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.causes import misreadings
 from hst_drive.diagnose.fit import calibrated, Fit, fit
 from hst_drive.diagnose.judge import unexplained
-from hst_drive.diagnose.nameless import faint
+from hst_drive.diagnose.nameless import faint, PATIENT
 
 _FEWEST = 3     # recordings: of two nobody could tell which is odd
-_PATIENT = 8    # steps of a fit
 
 
 def odd_log(campaign: Campaign) -> tuple[int, str] | None:
@@ -33,7 +32,7 @@ def odd_log(campaign: Campaign) -> tuple[int, str] | None:
         alone = campaign.of_logs(lambda place: place == log, all_to_fit=True)
         for freer in misreadings(campaign):
             start = faint(unit.model, freer)
-            if not _left(alone, fit(alone, start, iterations=_PATIENT)):
+            if not _left(alone, fit(alone, start, iterations=PATIENT)):
                 return log, freer.what
     return None
 

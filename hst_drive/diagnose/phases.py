@@ -8,7 +8,6 @@ it began; turned so that their swings agree, they can be fitted together.
 """
 from __future__ import annotations
 
-import copy
 from typing import Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
@@ -46,7 +45,7 @@ def in_step(campaign: Campaign, model: Model,
     drive = campaign.driver(model)
     if not swinging(drive):
         return campaign
-    turned = _copied(campaign)
+    turned = campaign.copied()
     for replay in turned.replays:
         if 'motor_angle' in replay.inputs:
             into_step(replay, drive)
@@ -68,7 +67,7 @@ def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) ->
 
     """
     counts = swinging(campaign.driver(fitted.model)).values()
-    turned = _copied(campaign)
+    turned = campaign.copied()
     for replay, size in zip(turned.replays, sizes):
         if 'motor_angle' in replay.inputs:
             swing = size - gaussian_filter1d(size, _SLOW / replay.run.sample_time)
@@ -77,10 +76,3 @@ def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) ->
                 phase = round(phase * count / (2 * np.pi)) * 2 * np.pi / count
             replay.turn(phase)
     return turned
-
-
-def _copied(campaign: Campaign) -> Campaign:
-    """Return a campaign whose recordings can be turned while others use the first."""
-    copied = copy.copy(campaign)
-    copied.replays = [copy.copy(replay) for replay in campaign.replays]
-    return copied

@@ -83,7 +83,7 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
         if gained := sure(search, best, trial.fit):
             found[name] = Stranger(
                 f'comes near, but {trial.what} in its place leaves {share_of(gained)}',
-                told_as(search.campaign, without(search, best, [name]).fit, trial))
+                told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best)
 
 
@@ -100,7 +100,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     gained = trial and sure(search, best, trial.fit)
     if not gained:
         return {}
-    unknown = told_as(search.campaign, without(search, best, names).fit, trial)
+    unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
     return dict.fromkeys(names, Stranger(
         f'together come near, but {trial.what} in their place leaves {share_of(gained)}', unknown))
 

@@ -29,12 +29,14 @@ class Steps(NamedTuple):
     Commands as the controller stepped, from each row to the next.
 
     ``low`` and ``high`` bound a command that no row shows and ``values`` holds their mean; where
-    a row shows it the three are the same.
+    a row shows it the three are the same. ``jitter`` is how far stamps scatter about even ones, s;
+    0 where there are none to tell.
     """
 
     values: np.ndarray
     low: np.ndarray
     high: np.ndarray
+    jitter: float = 0.0
 
     @property
     def guessed(self) -> bool:
@@ -96,13 +98,8 @@ def controller_steps(time: np.ndarray, commands: Mapping[str, np.ndarray]) -> di
         after = np.append(command[1:], command[-1])
         low = command + (after - command) * seen_late
         high = low + (after - command) * unseen
-        steps[name] = Steps(0.5 * (low + high), low, high)
+        steps[name] = Steps(0.5 * (low + high), low, high, float(np.std(late)))
     return steps
-
-
-def jitter(time: np.ndarray) -> float:
-    """Return how far stamps scatter about even ones, s; 0 where there are none to tell."""
-    return float(np.std(_grid(time)[1]))
 
 
 def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
 from hst_drive.measure.between import Between
-from hst_drive.measure.commands import controller_steps, jitter
+from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
@@ -88,7 +88,6 @@ class Replay:
                              'column with --channels')
         self.run = run
         self.readings = Readings(run, {**usual_sensors(drive.rig), **drive.rig.sensors})
-        self.stamps = float(np.hypot(_STAMPS, jitter(run.time)))
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
@@ -96,6 +95,7 @@ class Replay:
         time = run.time
         self.steps = controller_steps(time, {name: filled(run[name], hold=True)
                                              for name in INPUTS})
+        self.stamps = float(np.hypot(_STAMPS, max(steps.jitter for steps in self.steps.values())))
         self.unsure = np.max([steps.unsure(run.sample_time) for steps in self.steps.values()],
                              axis=0)
         self.inputs = {name: steps.values for name, steps in self.steps.items()}

@@ -106,11 +106,16 @@ class Drive:
 
     def with_effect(self, name: str, values: Mapping[str, float]) -> Drive:
         """Return a drive with one effect more, or with other parameters (SI) for it."""
-        changed = copy.copy(self)
-        changed.parameters, changed.switches = self.parameters.copy(), self.switches.copy()
-        changed.effects = dict(self.effects)
+        changed = self.copied()
         changed.switch_on(name, values)
         return changed
+
+    def copied(self) -> Drive:
+        """Return a drive that can be changed while others use this one."""
+        other = copy.copy(self)
+        other.parameters, other.switches = self.parameters.copy(), self.switches.copy()
+        other.effects = dict(self.effects)
+        return other
 
     @property
     def resonance(self) -> float:
