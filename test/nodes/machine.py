@@ -9,6 +9,8 @@ import rclpy
 
 from .processes import PATIENCE, wait_for
 
+ANSWER = 5.0
+
 
 class Machine:
     """What surrounds the controller: sensor, set point, operator, valve, diagnostics."""
@@ -78,11 +80,20 @@ class Machine:
         return wait_for(go)
 
     def call(self, client, request, **what):
-        """Call a service while the machine goes on."""
+        """Call a service while the machine goes on; ask again when no answer comes.
+
+        An answer is lost while the server has not yet found the client's reader (rmw_fastrtps
+        waits 100 ms for it): requests must be such that a second one does no harm.
+        """
         assert client.wait_for_service(timeout_sec=PATIENCE)
-        future = client.call_async(request)
-        self.until(future.done, **what)
-        return future.result()
+        asked = []
+
+        def answer():
+            if not asked or time.monotonic() > asked[-1][1] + ANSWER:
+                asked.append((client.call_async(request), time.monotonic()))
+            return next((future for future, _ in asked if future.done()), None)
+
+        return self.until(answer, **what).result()
 
     def reset(self, **what):
         from std_srvs.srv import Trigger

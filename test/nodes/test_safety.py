@@ -153,24 +153,26 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
 
 def test_a_stop_outlives_deactivate_and_activate():
     from lifecycle_msgs.msg import Transition
-    from lifecycle_msgs.srv import ChangeState
+    from lifecycle_msgs.srv import ChangeState, GetState
     from std_srvs.srv import SetBool
     with surroundings('fourth') as machine:
         with node('controller', '-r', '__ns:=/fourth', *TIMES, managed=True):
             change = machine.node.create_client(ChangeState, 'controller/change_state')
 
-            def go(which):
-                assert machine.call(change, ChangeState.Request(
-                    transition=Transition(id=which))).success
+            ask = machine.node.create_client(GetState, 'controller/get_state')
 
-            go(Transition.TRANSITION_CONFIGURE)
-            go(Transition.TRANSITION_ACTIVATE)
+            def go(which, state):
+                machine.call(change, ChangeState.Request(transition=Transition(id=which)))
+                assert machine.call(ask, GetState.Request()).current_state.label == state
+
+            go(Transition.TRANSITION_CONFIGURE, 'inactive')
+            go(Transition.TRANSITION_ACTIVATE, 'active')
             machine.run_up()
             assert machine.call(machine.stopper, SetBool.Request(data=True)).success
             machine.until(lambda: machine.commands[-1][1] == 0.0)
-            go(Transition.TRANSITION_DEACTIVATE)
+            go(Transition.TRANSITION_DEACTIVATE, 'inactive')
             machine.commands, machine.told = [], {}
-            go(Transition.TRANSITION_ACTIVATE)
+            go(Transition.TRANSITION_ACTIVATE, 'active')
             machine.until(lambda: machine.told.get('fault') == 'emergency_stop')
             for _ in range(50):
                 machine.tick()
