@@ -243,8 +243,10 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
 
 def at_its_end(model: Model, name: str) -> bool:
     """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
+    # None and all of something are as plausible as what lies between.
     shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
-              if not entry.fixed and entry.neutral not in (entry.low, entry.high)]
+              if not entry.fixed and entry.neutral not in (entry.low, entry.high)
+              and (entry.unit, entry.low, entry.high) != ('1', 0.0, 1.0)]
     return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
                for entry in shapes
                for value in [model.effects[name].get(entry.name, entry.neutral)])

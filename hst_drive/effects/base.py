@@ -26,6 +26,7 @@ class Slot(NamedTuple):
 
 USUAL_DAMPING_TIME = 0.002  # s, material damping of a flexible shaft unless an effect moves it
 USUAL_SHARE = 0.35      # of the inertia lies behind a flexible shaft unless an effect moves it
+USUAL_UPSTREAM = 0.3    # of the line's volume lies before its resistance unless an effect moves it
 
 SLOTS: dict[str, Slot] = {
     'pump_command': Slot('pump actuator', 'V', 'added to the pump command'),
@@ -42,6 +43,8 @@ SLOTS: dict[str, Slot] = {
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
     'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),
     'line_drop': Slot('torque', 'Pa', 'pressure lost between pump outlet and hydromotor inlet'),
+    'line_upstream_share': Slot('torque', '1', 'added to the share of the line\'s volume '
+                                f'({USUAL_UPSTREAM}) that lies before its resistance'),
     'back_pressure': Slot('torque', 'Pa', 'pressure at the hydromotor outlet'),
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),

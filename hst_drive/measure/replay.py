@@ -304,7 +304,7 @@ class Replay:
             if drive.has_flexible_shaft:
                 load = load + self._behind_shaft(drive, signals, total)
             signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
-                                            signals[self.torque])
+                                            self._measured)
         return Prediction({name: self.readings.as_read(name, signals[name])
                            for name in self.signals}, disturbance)
 

@@ -23,7 +23,8 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
-from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_SHARE
+from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_SHARE, \
+    USUAL_UPSTREAM
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -35,7 +36,7 @@ CONSTANTS = {
     'BEND_SPEED': 5e-4,               # to which Adams and Bashforth's method is trusted
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
-    'LINE_UPSTREAM_SHARE': 0.3,       # of the line's volume lies before its resistance
+    'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
     'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen

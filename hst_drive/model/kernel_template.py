@@ -147,8 +147,10 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
     line_drop = 0.0
     # slot line_drop
+    line_upstream_share = LINE_UPSTREAM_SHARE
+    # slot line_upstream_share
     # The pressure state stands for the whole line: part of the loss lies before its middle.
-    pressure = pump_pressure - LINE_UPSTREAM_SHARE * line_drop
+    pressure = pump_pressure - line_upstream_share * line_drop
     motor_flow_loss = 0.0
     # slot motor_flow_loss
     motor_leakage_total = motor_leakage + motor_flow_loss
@@ -380,7 +382,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     # Of the stage, not of the step, or the compiler takes what effects do with it
                     # (a sine) out of this block and does it in every step.
                     motor_angle = x4
-                    pressure_reading = pump_pressure + (1.0 - LINE_UPSTREAM_SHARE) * line_drop
+                    pressure_reading = pressure + line_drop
                     flow_reading = flow
                     speed_reading = late_reading
                     torque_reading = shaft_torque
