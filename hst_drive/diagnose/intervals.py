@@ -26,6 +26,7 @@ def intervals(campaign: Campaign, fitted: Fit,
     Factors of the unit are natural logarithms. Bounds of the parameters are kept.
     """
     unknowns = Unknowns(campaign, fitted.model)
+    unknowns = Unknowns(campaign, fitted.model, {*unknowns.names} - {*fitted.names})
     jacobian = fitted.jacobian
     residual = campaign.training(fitted.errors)
     count = jacobian.shape[1]

@@ -29,6 +29,7 @@ _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
 _ROUNDS = 5
+_CHANCE = 3e-3  # of the score: what a parameter may gain though it has its usual value
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -170,8 +171,23 @@ class Search:
             refined = self._candidate(candidate.names, found)
             if found.cost > 0.98 * before or not self.unexplained(refined):
                 break
-        self._known[candidate.names] = refined
+        self._known[candidate.names] = refined = self._settled(refined)
         return refined
+
+    def _settled(self, best: Candidate) -> Candidate:
+        """Give parameters their usual values where the data do not ask for others."""
+        kept: set[tuple[str, str]] = set()
+        for name, key in best.fit.names:
+            model = best.fit.model
+            usual = [self._candidate(best.names, fit(
+                self.campaign, model.with_effect(name, {**model.effects[name], key: value}),
+                iterations=3, refresh=True, kept={*kept, (name, key)}))
+                for value in (catalogue(everything=True)[name].parameter(key).usual if name else ())]
+            nearest = min(usual, key=lambda item: item.score, default=best)
+            if usual and nearest.score < (1.0 + _CHANCE) * best.score:
+                best = nearest
+                kept.add((name, key))
+        return best
 
     def single(self, name: str) -> Candidate:
         """Return the fit with one effect alone."""

@@ -39,7 +39,8 @@ class Unknowns:
     def _scale(self, effect: str, key: str) -> float:
         if not effect:
             return self.tolerances[key]
-        return abs(_parameter(effect, key).typical) or 1.0
+        parameter = _parameter(effect, key)
+        return abs(parameter.typical) or min(parameter.high, 1.0)
 
     def _limits(self, effect: str, key: str) -> tuple[float, float]:
         if not effect:

@@ -108,6 +108,8 @@ class Parameter:
     ``fixed`` parameter is chosen, not fitted; one of the ``whole_drive`` is fitted there only: in
     logs of a part its values compete as effects of their own. One that ``needs`` a channel is
     fitted only where that is recorded, and in a part the effect's other ones are then, too.
+    ``usual`` are values that the field's formulas have: one of them is taken where the data do
+    not ask for another.
     """
 
     name: str
@@ -120,6 +122,7 @@ class Parameter:
     fixed: bool = False
     whole_drive: bool = False
     needs: str = ''
+    usual: tuple[float, ...] = ()
 
     def recorded_in(self, channels: Collection[str]) -> bool:
         """Say whether the channel that it needs, if any, is there."""

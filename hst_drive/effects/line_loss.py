@@ -16,7 +16,7 @@ def drop(flow, viscosity_ratio, laminar, turbulent, viscosity_share):
 
 def place(laminar, turbulent, upstream_share):
     """Return by how much more than usual of the line's volume lies before the resistance."""
-    return upstream_share - USUAL_UPSTREAM if laminar + turbulent > 0.0 else 0.0
+    return upstream_share - USUAL_UPSTREAM if laminar > 0.0 or turbulent > 0.0 else 0.0
 
 
 EFFECT = Effect(
@@ -34,7 +34,7 @@ EFFECT = Effect(
                   'resistance of bends and couplings'),
         Parameter('viscosity_share', '1', 0.0, 1.0, 0.0,
                   'how far the first follows the viscosity of the oil: 1 where the hose is as '
-                  'warm as the oil', fixed=True),
+                  'warm as the oil', usual=(0.0, 1.0)),
         Parameter('upstream_share', '1', 0.0, 1.0, USUAL_UPSTREAM,
                   'part of the oil that lies before the resistance: the rest does not feel it '
                   'when the speed swings', neutral=USUAL_UPSTREAM, whole_drive=True),

@@ -25,9 +25,8 @@ EFFECT = Effect(
         Parameter('speed', 'rad/s', 0.3, 60.0, 4.0,
                   'Stribeck speed: there 37 % of the extra torque are left', neutral=4.0),
         Parameter('shape', '1', 0.5, 4.0, 2.0,
-                  'power in the exponent; 2 is the Gaussian form, 1 the exponential one. Fitted '
-                  'on logs of a part; the whole drive shows no more than which of the two fits',
-                  neutral=2.0),
+                  'power in the exponent; 2 is the Gaussian form, 1 the exponential one',
+                  neutral=2.0, usual=(2.0, 1.0)),
     ),
     telltale='Pressure is too high at low speed only; creeping drives jerk (stick-slip).',
     source='B. Armstrong-Helouvry, P. Dupont and C. Canudas de Wit, A survey of models, analysis '

@@ -20,7 +20,7 @@ EFFECT = Effect(
                   'drag torque per speed at the temperature of the datasheet'),
         Parameter('viscosity_share', '1', 0.0, 1.0, 0.0,
                   'how far it follows the viscosity of the oil: 1 for a film of that oil, 0 where '
-                  'the film has a temperature of its own', fixed=True),
+                  'the film has a temperature of its own', usual=(0.0, 1.0)),
     ),
     telltale='Pressure is too high in proportion to speed, whatever the load.',
     source='W. E. Wilson, Positive-Displacement Pumps and Fluid Motors, Pitman 1950: viscous '

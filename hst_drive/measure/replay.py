@@ -204,10 +204,11 @@ class Replay:
                     self.readings.noise(name, rest))
         self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
         sensor = self.readings.sensors.get(name)
-        if drive.has_flexible_shaft and sensor:
-            # The shaft's swings do not look like rock at short lags: they hide the noise.
-            self.roughness = self.roughness._replace(
-                noise_std=max(self.roughness.noise_std, min(sensor.noise_std, noise)))
+        # A shaft's swings do not look like rock at short lags: they hide the noise.
+        self._behind = self.roughness._replace(noise_std=max(
+            self.roughness.noise_std, min(sensor.noise_std if sensor else 0.0, noise)))
+        if drive.has_flexible_shaft:
+            self.roughness = self._behind
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True
@@ -254,7 +255,7 @@ class Replay:
                 # What the sensor reads without the inertia that the shaft moves.
                 rest = np.where(self._turning, rest + load - moved, 0.0)
                 slow = self.readings.slow(rest)
-                return slow + behind(side, self.run.sample_time, rest - slow, self.roughness)
+                return slow + behind(side, self.run.sample_time, rest - slow, self._behind)
         # Most effects leave the load as it is: then it need not be smoothed anew.
         known = self._smoothed
         if known is None or not np.array_equal(known[0], rest):
