@@ -34,7 +34,7 @@ NEEDS = {
     **dict.fromkeys(('diagnose/test_causes.py', 'diagnose/test_orders.py',
                      'diagnose/test_pairs.py', 'diagnose/test_phases.py',
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
-                     'diagnose/test_strangers.py'), ('numba',)),
+                     'diagnose/test_shapes.py', 'diagnose/test_strangers.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}

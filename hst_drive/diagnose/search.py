@@ -29,7 +29,7 @@ _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
 _ROUNDS = 5
-_CHANCE = 3e-3  # of the score: what a parameter may gain though it has its usual value
+_CHANCE = 3e-3  # of the score: what each parameter beyond the size must gain
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -106,7 +106,8 @@ class Search:
                       alone.fit.model.effects[new] if alone else None)
 
     def _candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
-        score = self.score(found)
+        shapes = sum(bool(name) for name, _ in found.names) - len(names)
+        score = self.score(found) * (1.0 + _CHANCE)**shapes
         if any(at_its_end(found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
@@ -177,14 +178,15 @@ class Search:
     def _settled(self, best: Candidate) -> Candidate:
         """Give parameters their usual values where the data do not ask for others."""
         kept: set[tuple[str, str]] = set()
-        for name, key in best.fit.names:
+        shapes = [(name, key) for name, key in best.fit.names if name]
+        for name, key in shapes:
             model = best.fit.model
             usual = [self._candidate(best.names, fit(
                 self.campaign, model.with_effect(name, {**model.effects[name], key: value}),
                 iterations=3, refresh=True, kept={*kept, (name, key)}))
-                for value in (catalogue(everything=True)[name].parameter(key).usual if name else ())]
+                for value in catalogue(everything=True)[name].parameter(key).usual]
             nearest = min(usual, key=lambda item: item.score, default=best)
-            if usual and nearest.score < (1.0 + _CHANCE) * best.score:
+            if nearest.score < best.score:
                 best = nearest
                 kept.add((name, key))
         return best

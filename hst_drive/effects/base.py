@@ -43,7 +43,7 @@ SLOTS: dict[str, Slot] = {
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
     'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),
     'line_drop': Slot('torque', 'Pa', 'pressure lost between pump outlet and hydromotor inlet'),
-    'line_upstream_share': Slot('torque', '1', 'added to the share of the line\'s volume '
+    'line_upstream_share': Slot('torque', '1', 'added to the share of the oil in the line '
                                 f'({USUAL_UPSTREAM}) that lies before its resistance'),
     'back_pressure': Slot('torque', 'Pa', 'pressure at the hydromotor outlet'),
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),

@@ -4,9 +4,15 @@
 from hst_drive.effects.base import Effect, Parameter
 
 
-def torque_loss(motor_speed, coefficient):
+DRILLING_SPEED = 10.0   # rad/s: there the exponent does not move the drag
+
+
+def torque_loss(motor_speed, coefficient, exponent):
     """Return the drag torque that opposes rotation, N.m."""
-    return coefficient * motor_speed * motor_speed
+    drag = coefficient * motor_speed * motor_speed
+    # The usual exponent without a power, which takes long.
+    return drag if exponent == 2.0 else drag * (
+        max(abs(motor_speed), 1e-3) / DRILLING_SPEED)**(exponent - 2.0)
 
 
 EFFECT = Effect(
@@ -14,10 +20,13 @@ EFFECT = Effect(
     title='churning: drag in proportion to speed squared',
     slot='motor_torque_loss',
     function=torque_loss,
-    equation='T = coefficient * w^2',
+    equation='T = coefficient * w^2 * (|w| / (10 rad/s))^(exponent - 2)',
     parameters=(
         Parameter('coefficient', 'N.m.s^2/rad^2', 0.0, 10.0, 0.07,
-                  'drag torque per speed squared'),
+                  'drag torque per speed squared, at 10 rad/s'),
+        Parameter('exponent', '1', 1.6, 2.4, 2.0,
+                  'power of the speed: 2 where all is turbulent, less along smooth walls',
+                  neutral=2.0, usual=(2.0,)),
     ),
     telltale='Pressure is right at low speed and too high at high speed, with the square of the '
              'speed.',

@@ -80,7 +80,8 @@ class Machine:
         return wait_for(go)
 
     def call(self, client, request, **what):
-        """Call a service while the machine goes on; ask again when no answer comes.
+        """
+        Call a service while the machine goes on; ask again when no answer comes.
 
         An answer is lost while the server has not yet found the client's reader (rmw_fastrtps
         waits 100 ms for it): requests must be such that a second one does no harm.

@@ -1,0 +1,49 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Shapes of effects: fitted where the data ask for it, else what the field's formulas have."""
+from bench.campaigns import as_runs
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.search import Search
+from hst_drive.effects import catalogue
+from hst_drive.rig import default_rig
+import numpy as np
+import pytest
+
+from ..measure.synthetic import record
+from ..truth import make_campaign
+
+pytestmark = pytest.mark.needs_numba
+
+
+def named(campaign, effect):
+    """Return the fit of an effect alone, in the end."""
+    search = Search(campaign, (effect,))
+    return search.refine(search.singles()[0]).fit
+
+
+@pytest.mark.parametrize('form, shape', [('gauss', 2.0), ('exponential', 1.0)])
+def test_a_usual_curve_keeps_its_usual_shape(form, shape):
+    campaign = Campaign(*as_runs(make_campaign(
+        4103, {'stribeck_friction': {'size': 1.0, 'form': form}})))
+    fitted = named(campaign, 'stribeck_friction')
+    assert fitted.model.effects['stribeck_friction']['shape'] == shape
+    limits = intervals(campaign, fitted)
+    assert ('stribeck_friction', 'shape') not in limits
+    low, high = limits['stribeck_friction', 'torque']
+    assert low < fitted.model.effects['stribeck_friction']['torque'] < high
+
+
+def test_an_unusual_curve_is_told():
+    hidden = {'torque': 25.0, 'speed': 10.0, 'shape': 3.0}
+    campaign = Campaign(default_rig(), [record(
+        seed, effects={'stribeck_friction': hidden}) for seed in (1, 2, 3)])
+    fitted = named(campaign, 'stribeck_friction')
+    limits = intervals(campaign, fitted)
+    assert all(limits['stribeck_friction', key][0] < value < limits['stribeck_friction', key][1]
+               for key, value in hidden.items())
+    # Over the speeds of these logs; how high the curve is at standstill they do not show.
+    curve, speeds = catalogue()['stribeck_friction'].function, np.linspace(7.0, 12.0, 6)
+    found, expected = ([curve(speed, **values) for speed in speeds] for values in (
+        fitted.model.effects['stribeck_friction'], hidden))
+    assert found == pytest.approx(expected, abs=0.5)
