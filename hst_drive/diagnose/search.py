@@ -179,16 +179,20 @@ class Search:
         """Give parameters their usual values where the data do not ask for others."""
         kept: set[tuple[str, str]] = set()
         shapes = [(name, key) for name, key in best.fit.names if name]
+        factors = best.fit.jacobian[:, :len(self.campaign.tolerances)]
         for name, key in shapes:
             model = best.fit.model
             usual = [self._candidate(best.names, fit(
                 self.campaign, model.with_effect(name, {**model.effects[name], key: value}),
-                iterations=3, refresh=True, kept={*kept, (name, key)}))
+                known=factors, kept={*kept, (name, key)}))
                 for value in catalogue(everything=True)[name].parameter(key).usual]
             nearest = min(usual, key=lambda item: item.score, default=best)
             if nearest.score < best.score:
                 best = nearest
                 kept.add((name, key))
+        if kept:
+            found = fit(self.campaign, best.fit.model, iterations=1, refresh=True, kept=kept)
+            best = self._candidate(best.names, found)
         return best
 
     def single(self, name: str) -> Candidate:
