@@ -80,7 +80,7 @@ def beaten(search: Search, best: Candidate, fitted: Fit) -> tuple[str, float] | 
             sure = found.sigma[name] >= _SURE or (
                 share >= IN_EVENTS and found.votes[name] >= SIGNIFICANT)
             if share >= PRACTICAL and sure and found.amount[name] >= max(
-                    (FORM_SHARE * done[name])**2, _DEARER * lost):
+                    PRACTICAL, (FORM_SHARE * done[name])**2, _DEARER * lost):
                 shares[name] = max(share, shares.get(name, 0.0))
     return max(shares.items(), key=lambda item: item[1], default=None)
 

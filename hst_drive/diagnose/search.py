@@ -18,6 +18,7 @@ from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
 from hst_drive.diagnose.phases import in_step
+from hst_drive.diagnose.shapes import settled, shapes_of
 from hst_drive.diagnose.starts import starts
 from hst_drive.effects import catalogue
 
@@ -28,6 +29,7 @@ _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNI
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
+_NO_HELP = 0.999    # of the baseline's cost: what an effect alone must fall below
 _ROUNDS = 5
 _CHANCE = 3e-3  # of the score: what each parameter beyond the size must gain
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
@@ -88,14 +90,21 @@ class Search:
 
     def _fit(self, task: tuple[tuple[str, ...], Model]) -> Candidate:
         names, start = task
-        found = [fit(self.campaign, model, known=self.factors)
+        # Sizes first: a shape that is free from the start may end far from what it could be.
+        shapes = shapes_of(names)
+        found = [fit(self.campaign, model, known=self.factors, kept=shapes)
                  for model in self._starts(names, start)]
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.
-            best = min((fit(self.campaign, item.model, iterations=3) for item in found
-                        if item.cost < _NEAR * best.cost), key=lambda item: item.cost)
-        return self._candidate(names, best)
+            best = min((fit(self.campaign, item.model, iterations=3, kept=shapes)
+                        for item in found if item.cost < _NEAR * best.cost),
+                       key=lambda item: item.cost)
+        sized = self.candidate(names, best)
+        if not shapes:
+            return sized
+        free = self.candidate(names, fit(self.campaign, best.model, known=self.factors))
+        return min(sized, free, key=lambda item: item.score)
 
     def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
         new = next((name for name in names if name not in start.effects), None)
@@ -105,7 +114,8 @@ class Search:
         return starts(self.campaign, self.factors, start, new,
                       alone.fit.model.effects[new] if alone else None)
 
-    def _candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
+    def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
+        """Return a fit of these effects with its score."""
         shapes = sum(bool(name) for name, _ in found.names) - len(names)
         score = self.score(found) * (1.0 + _CHANCE)**shapes
         if any(at_its_end(found.model, name) for name in names):
@@ -169,31 +179,11 @@ class Search:
         for _ in range(_ROUNDS):
             before = refined.fit.cost
             found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)
-            refined = self._candidate(candidate.names, found)
+            refined = self.candidate(candidate.names, found)
             if found.cost > 0.98 * before or not self.unexplained(refined):
                 break
-        self._known[candidate.names] = refined = self._settled(refined)
+        self._known[candidate.names] = refined = settled(self, refined)
         return refined
-
-    def _settled(self, best: Candidate) -> Candidate:
-        """Give parameters their usual values where the data do not ask for others."""
-        kept: set[tuple[str, str]] = set()
-        shapes = [(name, key) for name, key in best.fit.names if name]
-        factors = best.fit.jacobian[:, :len(self.campaign.tolerances)]
-        for name, key in shapes:
-            model = best.fit.model
-            usual = [self._candidate(best.names, fit(
-                self.campaign, model.with_effect(name, {**model.effects[name], key: value}),
-                known=factors, kept={*kept, (name, key)}))
-                for value in catalogue(everything=True)[name].parameter(key).usual]
-            nearest = min(usual, key=lambda item: item.score, default=best)
-            if nearest.score < best.score:
-                best = nearest
-                kept.add((name, key))
-        if kept:
-            found = fit(self.campaign, best.fit.model, iterations=1, refresh=True, kept=kept)
-            best = self._candidate(best.names, found)
-        return best
 
     def single(self, name: str) -> Candidate:
         """Return the fit with one effect alone."""
@@ -229,7 +219,13 @@ class Search:
         hopes = []
         for name in self.candidates:
             if name not in candidate.names:
-                move = self.campaign.training(self._known[(name,)].fit.errors) - start
+                alone = self._known[(name,)].fit
+                move = self.campaign.training(alone.errors) - start
+                if alone.cost > _NO_HELP * self.base.cost:
+                    # Whether it is one beside these its usual size tells.
+                    usual = candidate.fit.model.with_effect(name, self.campaign.typical(name))
+                    move = self.campaign.training(self.campaign.errors(
+                        usual, to_fit=True)) - residual
                 power = float(move @ move) * float(residual @ residual)
                 hopes.append((float(residual @ move)**2 / power if power > 0 else 0.0, name))
         short = [name for hope, name in sorted(hopes, reverse=True)[:_SHORTLIST] if hope >= least]

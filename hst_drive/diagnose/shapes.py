@@ -1,0 +1,43 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Shapes of effects: the power of a friction curve, how far a drag follows the viscosity.
+
+They are fitted, since machines differ, but each has values that the field's formulas have: with
+these the sizes come out right where the data cannot tell a shape.
+"""
+from __future__ import annotations
+
+from typing import Sequence, TYPE_CHECKING
+
+from hst_drive.diagnose.fit import fit
+from hst_drive.effects import catalogue
+
+if TYPE_CHECKING:
+    from hst_drive.diagnose.search import Candidate, Search
+
+
+def shapes_of(names: Sequence[str]) -> set[tuple[str, str]]:
+    """Return the (effect, parameter) that have usual values."""
+    return {(name, entry.name) for name in names
+            for entry in catalogue(everything=True)[name].parameters if entry.usual}
+
+
+def settled(search: Search, best: Candidate) -> Candidate:
+    """Give shapes their usual values where the data do not ask for others."""
+    kept: set[tuple[str, str]] = set()
+    factors = best.fit.jacobian[:, :len(search.campaign.tolerances)]
+    for name, key in sorted(shapes_of(best.names) & {*best.fit.names}):
+        model = best.fit.model
+        usual = [search.candidate(best.names, fit(
+            search.campaign, model.with_effect(name, {**model.effects[name], key: value}),
+            known=factors, kept={*kept, (name, key)}))
+            for value in catalogue(everything=True)[name].parameter(key).usual]
+        nearest = min(usual, key=lambda item: item.score)
+        if nearest.score < best.score:
+            best = nearest
+            kept.add((name, key))
+    if kept:
+        found = fit(search.campaign, best.fit.model, iterations=1, refresh=True, kept=kept)
+        best = search.candidate(best.names, found)
+    return best
