@@ -231,9 +231,12 @@ class Replay:
                     stated = np.hypot(sensor.noise_std, self.readings.step(name))
                     self.noise[name] = min(self.noise[name], stated)
 
+    def _prompt_torque(self) -> np.ndarray:
+        """Return the torque that was read, without the lag of its sensor."""
+        return self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+
     def _unexplained(self, load: np.ndarray) -> np.ndarray:
-        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
-        rest = np.where(self._turning, measured - load, 0.0)
+        rest = np.where(self._turning, self._prompt_torque() - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
@@ -304,8 +307,9 @@ class Replay:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             if drive.has_flexible_shaft:
                 load = load + self._behind_shaft(drive, signals, total)
+            # How friction and load share the torque of a drive at rest no law tells.
             signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
-                                            self._measured)
+                                            self._prompt_torque())
         return Prediction({name: self.readings.as_read(name, signals[name])
                            for name in self.signals}, disturbance)
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.fit import Fit, fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.unknowns import SIGMAS
+from hst_drive.diagnose.unknowns import SIGMAS, Unknowns
 from hst_drive.effects import catalogue
 import numpy as np
 import pytest
@@ -112,3 +112,11 @@ def test_what_moves_nothing_has_the_declared_bounds_to_the_last_digit(name, key)
     found = intervals(campaign, Fit(Model({name: catalogue()[name].typical}),
                                     [campaign.values], 0.0, ((name, key),), jacobian))
     assert found[name, key] == (parameter.low, parameter.high)
+
+
+@pytest.mark.parametrize('name', catalogue())
+def test_an_unknown_is_counted_in_a_size_within_its_bounds(name):
+    """Else a difference quotient steps from one bound to the other."""
+    campaign = SimpleNamespace(tolerances=TOLERANCES, fits=lambda effect, key: True)
+    unknowns = Unknowns(campaign, Model({name: dict(catalogue()[name].typical)}))
+    assert (unknowns.high - unknowns.low >= 0.1).all()

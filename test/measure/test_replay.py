@@ -6,7 +6,7 @@ from hst_drive.measure.compare import compare
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
-from hst_drive.model import Drive
+from hst_drive.model import Drive, SensorBank
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -90,6 +90,24 @@ def test_a_drive_that_leaves_all_bounds_does_not_make_the_load_smooth():
     replay = Replay(run, drive)
     assert not np.isfinite(replay.predict(drive).signals['pump_outlet_pressure']).all()
     assert replay.roughness.std > 0.5
+
+
+def test_what_friction_and_load_share_at_rest_is_not_judged():
+    """A locked shaft may carry any torque; no law of friction at speed tells which."""
+    run = record(21, duration=12.0)
+    drive, rest = Drive(RIG), run.time > 8.0
+    inputs = {'pump_command': np.where(rest, 0.0, run['pump_command']),
+              'pprv_command': run['pprv_command']}
+    signals = drive.simulate(run.time, inputs)
+    stuck = rest & (np.abs(signals['motor_speed']) < 0.05)
+    assert stuck.sum() > 200
+    signals['load_torque'] = signals['load_torque'] + 30.0 * stuck
+    noisy = SensorBank(RIG, 5).read({
+        name: signals[name] for name in RIG.sensors if name in signals})
+    replay = Replay(Run('rest', run.time, {**inputs, **noisy}), drive)
+    error = replay.predict(drive).signals['load_torque'] - replay.run['load_torque']
+    slow = np.abs(noisy['motor_speed']) < 0.5
+    assert np.abs(error[slow]).max() < 1e-9 < np.std(error[~slow])
 
 
 def test_a_perfect_model_reaches_the_floor_in_short():
