@@ -44,9 +44,9 @@ def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
     for index, (replay, part) in enumerate(zip(replays, weights)):
         stamps = np.hypot(replay.stamps, replay.unsure)
         for name in replay.signals:
-            valid, floor = np.isfinite(replay.run[name]), floors[index][name]
-            moving = np.gradient(gaussian_filter1d(np.where(valid, replay.run[name], 0.0), 1.5),
-                                 replay.run.time)
+            valid, floor = replay.counted(name), floors[index][name]
+            known = np.nan_to_num(replay.run[name], posinf=0.0, neginf=0.0)
+            moving = np.gradient(gaussian_filter1d(known, 1.5), replay.run.time)
             trust = 1.0 / np.sqrt(1.0 + (stamps * moving / floor)**2)
             found.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                 np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))

@@ -44,8 +44,15 @@ class Fit(NamedTuple):
 
 
 def score(campaign: Campaign, fitted: Fit) -> float:
-    """Return the held-out squared error plus the fit's cost; lower is better."""
-    total = 0.0
+    """
+    Return the held-out squared error plus the fit's cost; lower is better.
+
+    Each parameter of an effect beyond its size costs the logarithm of the number of samples, what
+    it may gain by chance (G. Schwarz, Estimating the dimension of a model, Annals of Statistics
+    6, 1978).
+    """
+    own = [name for name, _ in fitted.names if name]
+    total = (len(own) - len({*own})) * float(np.log(max(len(fitted.jacobian), 1)))
     for error, column in zip(fitted.errors, campaign.columns):
         judged = (error * column.trust)[column.judge] * campaign.thinning(column)
         total += float(judged @ judged)
@@ -243,7 +250,7 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
 
 def at_its_end(model: Model, name: str) -> bool:
     """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
-    # None and all of something are as plausible as what lies between.
+    # None and all of something (a share) are as plausible as what lies between.
     shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
               if not entry.fixed and entry.neutral not in (entry.low, entry.high)
               and (entry.unit, entry.low, entry.high) != ('1', 0.0, 1.0)]

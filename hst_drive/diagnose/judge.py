@@ -22,7 +22,7 @@ _IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data 
 IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
-FORM_SHARE = 0.05
+FORM_SHARE = 0.10
 NEAR_NOISE = 2.0        # times that where nothing is unexplained: only chance and form are left
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained

@@ -19,6 +19,7 @@ import numpy as np
 # Standard errors: more than for an effect of the list, since a stranger has a freer form and is
 # judged on what it was fitted to as well.
 _SURE = 5.0
+_REST = 0.1         # of the excess squared error: what a formula in the place of others may leave
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 PATIENT = 8             # steps of a fit that gets the same chance as another
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
@@ -102,7 +103,7 @@ def much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
         return False
     before, after = (excess(search.campaign.ratios(entry.errors, True))
                      for entry in (best.fit, fitted))
-    return after > FORM_SHARE * before
+    return after > _REST * before
 
 
 def share_of(beaten: tuple[str, float]) -> str:

@@ -3,11 +3,11 @@
 """
 Two effects in the place of one, or of two, that leave what formulas could be blamed for.
 
-No machine follows one formula exactly, so that a tenth of what an effect does may remain. Two
-effects that together look like one other leave such a rest as well: a friction that falls with
-speed and a drag that rises look like a constant one. Where two bring everything down to the
-noise, on the logs that were fitted and on those held out, and what was found does on neither,
-they are the better answer.
+No machine follows one formula exactly, so that a share of what an effect does may remain
+(``judge``). Two effects that together look like one other leave such a rest as well: a friction
+that falls with speed and a drag that rises look like a constant one. Where two bring everything
+down to the noise, on the logs that were fitted and on those held out, and what was found does on
+neither, they are the better answer.
 """
 from __future__ import annotations
 

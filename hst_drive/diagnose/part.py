@@ -109,7 +109,7 @@ class PartCampaign(Campaign):
         return values
 
     def fits(self, name: str, key: str) -> bool:
-        """Say whether a parameter is fitted: here also the shape of a friction curve."""
+        """Say whether a parameter is fitted: here also those that a whole drive hardly shows."""
         if name not in catalogue():
             return super().fits(name, key)
         effect = catalogue()[name]

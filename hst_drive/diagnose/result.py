@@ -50,7 +50,7 @@ class Ranked(NamedTuple):
 
     ``evidence`` is half the fall of the weighted squared error (training, held-out and priors)
     against the calibrated baseline: the natural logarithm of the likelihood ratio with errors
-    closer than 0.1 s counted as one.
+    closer than 0.1 s counted as one, less what further parameters gain by chance.
     """
 
     id: str

@@ -31,7 +31,6 @@ _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
 _NO_HELP = 0.999    # of the baseline's cost: what an effect alone must fall below
 _ROUNDS = 5
-_CHANCE = 3e-3  # of the score: what each parameter beyond the size must gain
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -116,8 +115,7 @@ class Search:
 
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""
-        shapes = sum(bool(name) for name, _ in found.names) - len(names)
-        score = self.score(found) * (1.0 + _CHANCE)**shapes
+        score = self.score(found)
         if any(at_its_end(found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
@@ -222,10 +220,11 @@ class Search:
                 alone = self._known[(name,)].fit
                 move = self.campaign.training(alone.errors) - start
                 if alone.cost > _NO_HELP * self.base.cost:
-                    # Whether it is one beside these its usual size tells.
-                    usual = candidate.fit.model.with_effect(name, self.campaign.typical(name))
-                    move = self.campaign.training(self.campaign.errors(
-                        usual, to_fit=True)) - residual
+                    # Whether it is one beside these its typical size tells.
+                    own = candidate.fit.model
+                    without, beside = (self.campaign.errors(model, to_fit=True) for model in (
+                        own, own.with_effect(name, self.campaign.typical(name))))
+                    move = self.campaign.training(beside) - self.campaign.training(without)
                 power = float(move @ move) * float(residual @ residual)
                 hopes.append((float(residual @ move)**2 / power if power > 0 else 0.0, name))
         short = [name for hope, name in sorted(hopes, reverse=True)[:_SHORTLIST] if hope >= least]

@@ -17,7 +17,8 @@ class Unknowns:
     """
     The unknowns of a model as a vector.
 
-    A factor counts in tolerances, a parameter of an effect in its typical size. What is in
+    A factor counts in tolerances, a parameter of an effect in its typical size (one that is
+    typically 0 in the greatest it may have, if that is below 1). What is in
     ``kept``, (effect, parameter) or ('', factor), stays as the model has it.
     """
 

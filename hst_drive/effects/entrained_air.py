@@ -34,9 +34,9 @@ EFFECT = Effect(
         Parameter('solution', '1/Pa', 0.0, 1e-6, 0.0,
                   'one over the pressure at which all of it has gone into solution',
                   usual=(0.0,)),
-        Parameter('exponent', '1', ISOTHERMAL, ADIABATIC, 1.3,
+        Parameter('exponent', '1', ISOTHERMAL, ADIABATIC, ADIABATIC,
                   'polytropic exponent of the bubbles: 1 isothermal, 1.4 adiabatic',
-                  neutral=ADIABATIC),
+                  neutral=ADIABATIC, usual=(ADIABATIC, ISOTHERMAL)),
     ),
     telltale='At low pressure, pressure follows the commands slowly and rings at a low '
              'frequency; at high pressure all is as it should be.',

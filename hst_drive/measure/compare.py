@@ -215,8 +215,9 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
 
 def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
     replay = KeptReplay(run, drive)
-    return _Aligned(replay, shift, dict(replay.predict(drive).signals),
-                    replay_floor(replay, drive, count=count.samples))
+    model = {name: np.where(replay.counted(name) | ~np.isfinite(run[name]), values, np.nan)
+             for name, values in replay.predict(drive).signals.items()}
+    return _Aligned(replay, shift, model, replay_floor(replay, drive, count=count.samples))
 
 
 def _common(delays: dict[str, float]) -> float:

@@ -106,6 +106,10 @@ class PartReplay:
         if 'motor_angle' in self.inputs:
             into_step(self, model)
 
+    def counted(self, name: str) -> np.ndarray:
+        """Return the rows in which a signal can be judged."""
+        return np.isfinite(self.run[name])
+
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""
         self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}

@@ -231,12 +231,19 @@ class Replay:
                     stated = np.hypot(sensor.noise_std, self.readings.step(name))
                     self.noise[name] = min(self.noise[name], stated)
 
-    def _prompt_torque(self) -> np.ndarray:
-        """Return the torque that was read, without the lag of its sensor."""
-        return self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+    @property
+    def at_rest(self) -> np.ndarray:
+        """Where friction and load share the torque as no law tells, so that it is not judged."""
+        return np.abs(self._speed) <= _CREEPING
+
+    def counted(self, name: str) -> np.ndarray:
+        """Return the rows in which a signal can be judged."""
+        valid = np.isfinite(self.run[name])
+        return valid & ~self.at_rest if self.can_correct and name == self.torque else valid
 
     def _unexplained(self, load: np.ndarray) -> np.ndarray:
-        rest = np.where(self._turning, self._prompt_torque() - load, 0.0)
+        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+        rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
@@ -307,11 +314,11 @@ class Replay:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             if drive.has_flexible_shaft:
                 load = load + self._behind_shaft(drive, signals, total)
-            # How friction and load share the torque of a drive at rest no law tells.
-            signals[self.torque] = np.where(np.abs(self._speed) > _CREEPING, load,
-                                            self._prompt_torque())
-        return Prediction({name: self.readings.as_read(name, signals[name])
-                           for name in self.signals}, disturbance)
+            signals[self.torque] = np.where(self.at_rest, signals[self.torque], load)
+        read = {name: self.readings.as_read(name, signals[name]) for name in self.signals}
+        if self.can_correct:
+            read[self.torque] = np.where(self.at_rest, self._measured, read[self.torque])
+        return Prediction(read, disturbance)
 
     def shaken(self, drive: Drive, seed: int,
                count: np.ndarray | None) -> Iterator[dict[str, float]]:

@@ -27,8 +27,8 @@ _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
 _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
-         'shaft_compliance', 'shaft_load_share', 'shaft_damping_time', 'speed_reading_lag',
-         'speed_reading_series_lag', 'motor_torque')
+         'line_upstream_share', 'shaft_compliance', 'shaft_load_share', 'shaft_damping_time',
+         'speed_reading_lag', 'speed_reading_series_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
 
 
