@@ -129,18 +129,19 @@ class Workbench:
             given[name] = known.run[name] + difference
             signals[name] = known.signals[name]._replace(
                 noise_ratio=float(np.sqrt(np.nanmean(np.where(
-                    np.isfinite(known.measured(name)), error, np.nan)**2))))
+                    np.isfinite(known.measured(name))
+                    & campaign.replays[place].counted(name), error, np.nan)**2))))
         return known._replace(model=given, signals=signals), found
 
     def _squares(self, errors: list[np.ndarray]) -> dict[str, tuple[float, int]]:
         """Return the sum of the squared noise ratios and the count of samples, by signal."""
         totals: dict[str, tuple[float, int]] = {}
         for error, column in zip(errors, self.campaign.columns):
-            measured = self.campaign.replays[column.log].run[column.signal]
+            counted = self.campaign.replays[column.log].counted(column.signal)
             judged = self.compared(self.base.start, [column.log])[0].judged.samples
-            if len(judged) != len(measured):
-                judged = np.ones(len(measured), dtype=bool)
-            valid = error[np.isfinite(measured) & judged]
+            if len(judged) == len(counted):
+                counted = counted & judged
+            valid = error[counted]
             total, count = totals.get(column.signal, (0.0, 0))
             totals[column.signal] = (total + float(valid @ valid), count + len(valid))
         return totals
