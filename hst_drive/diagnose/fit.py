@@ -128,7 +128,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     if known is not None:
         jacobian[:, :unknowns.factors] = known
     damping = 1e-6
-    for _ in range(iterations if count else 0):
+    for place in range(iterations if count else 0):
         which = free if known is not None else list(range(count))
         jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
                                          errors_at)
@@ -143,7 +143,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
                 damping = max(damping / 10, 1e-9)
                 step_taken = True
                 break
-        if not step_taken or gain < 1e-3 * cost + 0.5:
+        # A first step along a bend gains little; where time is taken the next one may gain more.
+        if not step_taken or gain < 1e-3 * cost + 0.5 and (place or not refresh):
             break
         if _promise(campaign, unknowns, vector, errors, jacobian) < 1e-3 * cost + 0.5:
             break
