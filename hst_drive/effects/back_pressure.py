@@ -1,9 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A return line that is not free: what stands in it, and what its filter and pipe add."""
-from hst_drive.effects.base import Effect, Parameter
-
-DRILLING_SPEED = 10.0    # rad/s: about where a drill works, so that size and share are told apart
+from hst_drive.effects.base import DRILLING_SPEED, Effect, Parameter
 
 
 def outlet(motor_speed, outlet_pressure, flow_share):

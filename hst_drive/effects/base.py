@@ -24,6 +24,7 @@ class Slot(NamedTuple):
     meaning: str
 
 
+DRILLING_SPEED = 10.0   # rad/s: about where a drill works, so that size and shape are told apart
 USUAL_DAMPING_TIME = 0.002  # s, material damping of a flexible shaft unless an effect moves it
 USUAL_SHARE = 0.35      # of the inertia lies behind a flexible shaft unless an effect moves it
 USUAL_UPSTREAM = 0.3    # of the line's volume lies before its resistance unless an effect moves it

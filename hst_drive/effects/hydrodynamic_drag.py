@@ -1,10 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Churning: parts that stir the oil in the case."""
-from hst_drive.effects.base import Effect, Parameter
-
-
-DRILLING_SPEED = 10.0   # rad/s: there the exponent does not move the drag
+from hst_drive.effects.base import DRILLING_SPEED, Effect, Parameter
 
 
 def torque_loss(motor_speed, coefficient, exponent):

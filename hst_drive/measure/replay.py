@@ -314,10 +314,11 @@ class Replay:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             if drive.has_flexible_shaft:
                 load = load + self._behind_shaft(drive, signals, total)
-            signals[self.torque] = np.where(self.at_rest, signals[self.torque], load)
+            at_rest = self.at_rest
+            signals[self.torque] = np.where(at_rest, signals[self.torque], load)
         read = {name: self.readings.as_read(name, signals[name]) for name in self.signals}
         if self.can_correct:
-            read[self.torque] = np.where(self.at_rest, self._measured, read[self.torque])
+            read[self.torque] = np.where(at_rest, self._measured, read[self.torque])
         return Prediction(read, disturbance)
 
     def shaken(self, drive: Drive, seed: int,
