@@ -57,7 +57,8 @@ def _of_guesses(replay: Replay, drive: Drive, seed: int) -> dict[str, float]:
     base = replay.predict(drive).signals
     random = np.random.default_rng(seed)
     time = replay.run.time
-    block = ((time - time[0]) / _EVENT).astype(int)
+    # Only blocks with rows: a record may pause for longer than a block.
+    block = np.unique(((time - time[0]) / _EVENT).astype(int), return_inverse=True)[1]
     count = np.bincount(block)
     power = dict.fromkeys(base, 0.0)
     for _ in range(DRAWS):

@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Comparison of several logs, and with the controller in the loop."""
+from dataclasses import replace
 from pathlib import Path
 
 from hst_drive.bag import read_log
@@ -124,3 +125,15 @@ def test_a_command_that_is_stamped_between_the_rows_is_not_taken_for_physics():
         found.append(compare(Drive(RIG), [read]).signals)
     for name, entry in found[0].items():
         assert found[1][name].noise_ratio == pytest.approx(entry.noise_ratio, rel=0.03), name
+
+
+def test_a_record_with_a_pause_has_a_floor_like_the_rest():
+    """Ten seconds of rows are lost: what is left is judged as if nothing had been."""
+    whole = record(3, duration=40.0)
+    keep = (whole.time < 15.0) | (whole.time >= 25.0)
+    paused = replace(whole, time=whole.time[keep], channels={
+        name: values[keep] for name, values in whole.channels.items()})
+    drive = Drive(RIG)
+    expected, found = (compare(drive, [run]).signals for run in (whole, paused))
+    for name, entry in found.items():
+        assert 0.5 < entry.floor / expected[name].floor < 2.0
