@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.hopes import hopes
 from hst_drive.diagnose.judge import contribution
 from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.effects import catalogue
@@ -71,9 +72,10 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     alike = [entry for entry in singles
              if entry in catalogue()[name].alike or scores[entry] <= limit]
     if others:
-        # Beside others the best alone may be what explains those: the most alike come first.
-        likeness = search.likeness(name)
-        singles.sort(key=lambda entry: -likeness(entry))
+        # Beside others the best alone may be what explains those.
+        fewer = search.try_all([(others, kept)], 'trying rivals')[0]
+        share = {entry: found for found, entry in hopes(search, fewer)}
+        singles.sort(key=lambda entry: -share[entry])
     tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',

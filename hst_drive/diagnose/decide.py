@@ -22,10 +22,12 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.sentence import limits, sentence, times
 from hst_drive.diagnose.strangers import beside, strangers, without
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.useful import refuse_useless
 from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
@@ -52,9 +54,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     Raises
     ------
     InputError
-        If the logs lack the channels that a replay needs.
+        If the logs lack the channels that a replay needs, or tell nothing.
 
     """
+    refuse_useless(rig, (*runs, *holdout))
     refuse_wrong_units(rig, (*runs, *holdout))
     drifting = drifts(rig, (*runs, *holdout))
     progress('calibrating the unit')
@@ -93,29 +96,27 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
-    limits = intervals(campaign, best.fit) if best.names else {}
+    found = intervals(campaign, best.fit) if best.names else {}
     effects = tuple(Found(
-        name, {key: Value(value, *limits.get((name, key), (value, value)), _unit(name, key))
+        name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
-        verdict=verdict, sentence=' '.join([
+        verdict=verdict, sentence=' '.join(filter(None, [
             # What is named beside a sensor that drifts may be the drift.
             *(f'{entry.told}; mend the sensor or leave its column out first.'
               for entry in drifting),
             *([] if odd is None else [
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            _sentence(verdict, effects, ladder, remaining).strip(),
-            *(f'But {entry.quantity} sits at the limit of its tolerance: what acts like it may '
-              f"be missing{', too small to tell' if verdict == 'none' else ' as well'}."
-              for entry in moved if verdict != 'unknown' and entry.at_limit),
+            sentence(verdict, effects, ladder, remaining).strip(),
+            limits(verdict, [entry.quantity for entry in moved if entry.at_limit]),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
-            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])]),
+            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
         effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
@@ -214,8 +215,10 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
             continue    # too little is held out
         worst = max(found.share, key=lambda key: found.share[key])
         ratios = search.campaign.ratios(candidate.fit.errors, True)
-        told[entry.id] = (f'leaves {CHANNELS[worst].title} at {ratios[worst]:.1f} times the '
-                          f'noise, {100 * max(found.share[worst], 0):.0f} % more squared error')
+        told[entry.id] = (
+            f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times the noise; '
+            f'{"what was found" if len(best.names) > 1 else best.names[0]} takes '
+            f'{100 * max(found.share[worst], 0):.0f} % of that squared error away')
     return told
 
 
@@ -236,39 +239,3 @@ def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...
     search.progress('looking for a test')
     what = campaign.advice or in_short(campaign.rig, models, campaign.signals)
     return NextTest(told_apart(models), what, tuple(dict(entry.effects) for entry in models))
-
-
-def _sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step], remaining) -> str:
-    first, last = ladder[1].holdout, ladder[-1].holdout
-    signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
-        max(first, key=first.get, default='')
-    if not signal:
-        return 'There is nothing to judge.'
-    title = CHANNELS[signal].title
-    lacks = ('; and ' if any(entry.indistinguishable_from for entry in effects) else ' and ').join(
-        f'{entry.id} ({catalogue()[entry.id].title})' + (
-            f", or {' or '.join(entry.indistinguishable_from)} in its place"
-            if entry.indistinguishable_from else '') for entry in effects)
-    falls = (f'Held-out error of {title} falls from {first[signal]:.1f} to {last[signal]:.1f} '
-             'times the noise.')
-    if verdict == 'none':
-        return ('Nothing is missing: the model, calibrated within the tolerances, explains these '
-                f'logs down to the noise (worst held-out: {title}, {first[signal]:.2f} times).')
-    if verdict == 'missing_effect':
-        return f'The model lacks {lacks}. {falls}{_stays(last)}'
-    if verdict == 'ambiguous':
-        return f'The model lacks {lacks}: these logs cannot tell which. {falls}{_stays(last)}'
-    place = ''
-    if remaining:
-        on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
-        place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.'
-    start = f'The model lacks {lacks}, and something' if effects else 'The model lacks something'
-    return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
-
-
-def _stays(last: dict[str, float]) -> str:
-    """Say what stays well above the noise though it counts as explained."""
-    worst = max(last, key=last.get)
-    return '' if last[worst] <= CLEAN_FITTED else (
-        f' {CHANNELS[worst].title.capitalize()} stays at {last[worst]:.1f} times: no more than '
-        'chance and other formulas of it make.')

@@ -14,6 +14,7 @@ from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
+from hst_drive.diagnose.hopes import hopes
 from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
@@ -29,7 +30,6 @@ _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNI
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
-_NO_HELP = 0.999    # of the baseline's cost: what an effect alone must fall below
 _ROUNDS = 5
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
@@ -187,18 +187,6 @@ class Search:
         """Return the fit with one effect alone."""
         return self.try_all([((name,), self.base.model)], 'fitting effects')[0]
 
-    def likeness(self, name: str) -> Callable[[str], float]:
-        """Return a measure of how alike another effect moves the signals, 0 to 1."""
-        start = self.campaign.training(self.base.errors)
-        own = self.campaign.training(self.single(name).fit.errors) - start
-
-        def measure(other: str) -> float:
-            move = self.campaign.training(self.single(other).fit.errors) - start
-            power = float(own @ own) * float(move @ move)
-            return float(own @ move)**2 / power if power > 0 else 0.0
-
-        return measure
-
     def singles(self) -> list[Candidate]:
         """Return every effect alone, the best first."""
         start = self.base.model
@@ -209,26 +197,12 @@ class Search:
         """
         Return the candidate with one effect more, the best first.
 
-        Effects are tried that alone move the signals as what is left does; ``least`` is the
-        share of its square that such a move must take away.
+        Effects are tried that may move the signals as what is left does; ``least`` is the share
+        of its square that such a move must take away.
         """
-        residual = self.campaign.training(candidate.fit.errors)
-        start = self.campaign.training(self.base.errors)
-        hopes = []
-        for name in self.candidates:
-            if name not in candidate.names:
-                alone = self._known[(name,)].fit
-                move = self.campaign.training(alone.errors) - start
-                if alone.cost > _NO_HELP * self.base.cost:
-                    # Whether it is one beside these its typical size tells.
-                    own = candidate.fit.model
-                    without, beside = (self.campaign.errors(model, to_fit=True) for model in (
-                        own, own.with_effect(name, self.campaign.typical(name))))
-                    move = self.campaign.training(beside) - self.campaign.training(without)
-                power = float(move @ move) * float(residual @ residual)
-                hopes.append((float(residual @ move)**2 / power if power > 0 else 0.0, name))
-        short = [name for hope, name in sorted(hopes, reverse=True)[:_SHORTLIST] if hope >= least]
-        found = self.try_all([((*candidate.names, name), candidate.fit.model) for name in short],
+        likely = sorted(hopes(self, candidate), reverse=True)[:_SHORTLIST]
+        found = self.try_all([((*candidate.names, name), candidate.fit.model)
+                              for hope, name in likely if hope >= least],
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
 
@@ -238,7 +212,8 @@ class Search:
 
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
-        best, beam, asked = self.baseline, self.singles()[:_BEAM], self.worthwhile
+        best, beam = self.baseline, self.singles()[:_BEAM]
+        asked = self.worthwhile if self.unexplained(best) else self.agreed
         while beam:
             # Which of two that are near each other is the better one their own Jacobians tell.
             top = min((self.refine(entry) for entry in beam

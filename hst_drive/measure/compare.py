@@ -17,6 +17,7 @@ from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.useful import refuse_still
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
@@ -105,7 +106,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
     Raises
     ------
     InputError
-        If a recording lacks the channels that a replay needs.
+        If a recording lacks the channels that a replay needs, or none of its readings changes.
 
     """
     logs, variables = [], []
@@ -130,6 +131,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
 def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,
                 all_seconds: bool = False) -> LogComparison:
     """Do what ``compare`` does with one recording, but for the regions of the error."""
+    refuse_still(run)
     bench = isinstance(drive, PartModel) and 'pump_command' not in run
     count = (everything if all_seconds or bench else judged)(run)
     replay, shift, model, floor = _aligned(run, drive, count)

@@ -28,6 +28,7 @@ _LOST = 8.0             # ratio that no loss, no worn valve and no dead band mak
 _LEAST = 0.05           # of what the rig can do: less is idling or standstill and tells nothing
 _KNOWN = 0.06           # how near a ratio lies to that of a unit
 _HOTTEST = 115.0 + 273.15   # K: no hydraulic oil is, in the median
+_COLDEST = -60.0 + 273.15   # K: nor below what the oils of the Arctic pour at
 _DRIFT = 0.03           # of the size, from start to end
 _SURE = 8.0             # standard deviations
 _APART = 0.15           # of the time that load and oil must leave unexplained
@@ -96,9 +97,10 @@ def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
     """
     found = []
     temperature = run.channels.get('oil_temperature')
-    if temperature is not None and _median(temperature) > _HOTTEST:
+    if temperature is not None and (_median(temperature) > _HOTTEST
+                                    or _median(temperature) < _COLDEST):
         found.append(f'oil_temperature is {_median(temperature) - 273.15:.0f} degC in the median, '
-                     'which no oil is (K or degF as degC?)')
+                     'which no oil is (degC, K or degF taken for each other?)')
     return found + [line for group in _groups(rig, run)
                     for line in _factor(group, sure)]
 

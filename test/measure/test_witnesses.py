@@ -53,7 +53,7 @@ def test_a_wrong_unit_is_refused_in_one_line():
     lambda kelvin: kelvin + 273.15, lambda kelvin: (kelvin - 273.15) * 1.8 + 32.0 + 273.15))
 def test_oil_that_no_oil_is(change):
     told = unit_doubts(default_rig(), spoilt(change, 'oil_temperature'))
-    assert 'which no oil is (K or degF as degC?)' in told[0]
+    assert 'which no oil is (degC, K or degF taken for each other?)' in told[0]
 
 
 @pytest.mark.parametrize('channel, end', (

@@ -1,0 +1,63 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings that tell nothing: readings that stand still, a drive at rest, rows too far apart."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.errors import InputError
+from hst_drive.measure.balances import is_part
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.rig import Rig
+from hst_drive.units import from_si
+import numpy as np
+
+_SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
+_TURNS = 0.1        # rad/s: about 1 rpm, several times what a speed sensor scatters
+_TAIL = 99.0        # percentile of the speed, so that a spike is no motion
+
+
+def refuse_still(run: Run) -> None:
+    """
+    Check that any reading of a sensor changes.
+
+    Raises
+    ------
+    InputError
+        Otherwise.
+
+    """
+    readings = [values[np.isfinite(values)] for name, values in run.channels.items()
+                if CHANNELS[name].hold == 'linear']
+    if len(run) > 1 and readings and all(len(np.unique(values)) < 2 for values in readings):
+        raise InputError(f'{run.source}: every reading holds one number throughout; nothing was '
+                         'measured: check the sensors and the logger, or leave this log out')
+
+
+def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
+    """
+    Check that recordings can show what a drive lacks.
+
+    Raises
+    ------
+    InputError
+        If a reading stands still (``refuse_still``), if rows are too far apart for a drive's
+        motion, or if the drive never turns in any recording.
+
+    """
+    for run in runs:
+        refuse_still(run)
+        # A part of the drive is judged row by row, without its motion.
+        if run.sample_time > _SLOWEST and not is_part(run, rig):
+            raise InputError(
+                f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second or '
+                f'more, at least one each {_SLOWEST:g} s: what the drive does between rows decides. '
+                "Record faster; if the times are not seconds, name their unit ('time[ms]')")
+    speeds = [np.abs(run['motor_speed']) for run in runs if 'motor_speed' in run]
+    if len(speeds) == len(runs) and all(np.nanpercentile(
+            speed, _TAIL) < _TURNS for speed in speeds if np.isfinite(speed).any()):
+        greatest = from_si(max(np.nanmax(speed, initial=0.0) for speed in speeds), 'rpm')
+        raise InputError(
+            f'{", ".join(run.source for run in runs)}: the drive never turns (motor_speed is '
+            f'{greatest:.2g} rpm at most); nothing can be told from a drive at rest: record it '
+            'drilling, or check the speed sensor')
