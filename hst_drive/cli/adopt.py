@@ -26,6 +26,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='rig file to write')
     parser.add_argument('--formula', action='store_true',
                         help="where something stayed unknown: adopt the diagnosis' formula for it")
+    parser.add_argument('--calibration', action='store_true',
+                        help='where nothing is missing: adopt by how much the unit is off its '
+                             'datasheet')
     add_force_argument(parser, 'RIG.yaml')
     add_rig_argument(parser)
 
@@ -41,12 +44,21 @@ def run(args: argparse.Namespace) -> int:
     refuse_to_replace(args.output, args.force)
     diagnosis = read_json(args.diagnosis)
     rig = read_yaml(rig_file)
-    adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula)
+    adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula,
+                    calibration=args.calibration)
     parse_rig(adopted, args.output)
     write_yaml(adopted, args.output)
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():
         tell(f'{args.output}: {name}: {_sizes(name, values)}')
+    if args.calibration:
+        tell(f"{args.output}: the unit's calibration "
+             f"(number of quantities: {len(adopted['calibration'])})")
+    for entry in diagnosis['effects']:
+        rivals = entry.get('indistinguishable_from')
+        if rivals:
+            tell(f"{args.output}: {entry['id']} is one of several that fit these logs; so may "
+                 f"{' or '.join(rivals)}: 'hst-drive design' writes a test that tells")
     return 0
 
 

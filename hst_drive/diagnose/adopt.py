@@ -14,7 +14,7 @@ from hst_drive.rig.schema import TOLERANCES
 
 
 def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
-          formula: bool = False) -> dict:
+          formula: bool = False, calibration: bool = False) -> dict:
     """
     Return the mapping of a rig file with the effects that a diagnosis found.
 
@@ -28,6 +28,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         Their files, for messages.
     formula : bool
         Adopt the formula for the unknown as well, beside the effects as they were fitted with it.
+    calibration : bool
+        Where nothing is missing: adopt by how much the unit is off its datasheet.
 
     Raises
     ------
@@ -43,12 +45,18 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
                          'of effects; write the diagnosis again')
     if formula:
         effects = [*_beside(effects, diagnosis, source), _formula(diagnosis, source)]
-    if not effects:
+    none = diagnosis.get('verdict') == 'none'
+    if calibration and not none:
+        raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}': the unit's "
+                         'calibration goes with its effects; leave --calibration out')
+    if not effects and not calibration:
         if _formula_of(diagnosis):
             raise InputError(f"{source}: the diagnosis is 'unknown' and names no effect; add "
                              '--formula to adopt its formula')
         raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}' and names no "
-                         'effect: there is nothing to adopt')
+                         'effect: there is nothing to adopt' + (
+                             '; add --calibration to adopt by how much this unit is off its '
+                             'datasheet' if none else ''))
     names = [str(entry.get('id')) for entry in effects]
     already = [name for name in names if name in (rig.get('effects') or {})]
     if already:

@@ -241,3 +241,23 @@ def test_the_rig_alone_on_standard_output(written, capsys):
     code, out, err = run(capsys, written, '-o', '-')
     assert code == 0 and 'bearing_friction' in err
     assert parse_rig(yaml.safe_load(out)).effects.keys() == FOUND.keys()
+
+
+def test_the_calibration_alone_where_nothing_is_missing(written, tmp_path, capsys):
+    """A healthy unit off its datasheet: the rig then has its factors, and no effect."""
+    none, target = tmp_path / 'none.json', tmp_path / 'unit.yaml'
+    none.write_text(json.dumps({**diagnosis(), 'verdict': 'none', 'effects': []}))
+    assert 'add --calibration' in refused(capsys, none, '-o', target)
+    code, out, _ = run(capsys, none, '-o', target, '--calibration')
+    assert code == 0 and "the unit's calibration (number of quantities: 1)" in out
+    drive, plain = Drive(load_rig(target)), Drive(default_rig())
+    leakage = INDEX['motor_leakage_scale']
+    assert not drive.effects
+    assert drive.parameters[leakage] == pytest.approx(1.05 * plain.parameters[leakage])
+    assert 'leave --calibration out' in refused(
+        capsys, written, '-o', tmp_path / 'no.yaml', '--calibration')
+
+
+def test_what_fits_as_well_is_told_when_it_is_adopted(written, tmp_path, capsys):
+    _, out, _ = run(capsys, written, '-o', tmp_path / 'rig.yaml')
+    assert 'bearing_friction is one of several that fit these logs; so may viscous_drag' in out
