@@ -15,6 +15,7 @@ import argparse
 import ast
 from collections.abc import Sequence
 from difflib import get_close_matches
+import errno
 from importlib import import_module
 import inspect
 import os
@@ -31,6 +32,8 @@ PROG = 'hst-drive'
 # cost more than half as much again. Set before NumPy is loaded; the user's own setting stands.
 ONE_THREAD = ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS')
 _OUTPUTS = ('json', 'output', 'plot')     # options that name a file to write
+# What the place to write to cannot take.
+_NO_ROOM = {errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EROFS}
 _OK, _FAILED, _WRONG_INPUT, _INTERRUPTED, _BROKEN_PIPE = 0, 1, 2, 130, 141
 
 
@@ -106,6 +109,8 @@ def main(argv: Sequence[str] | None = None, *, prog: str = PROG) -> int:
             traceback.print_exc()
         return _fail(problem, _WRONG_INPUT)
     except Exception as problem:
+        if isinstance(problem, OSError) and problem.errno in _NO_ROOM:
+            return _fail(f'{problem.filename or "output"}: {problem.strerror}', _WRONG_INPUT)
         if show_traceback:
             traceback.print_exc()
             return _FAILED

@@ -47,7 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def add_model_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare what changes the rig's model: --effect and --factor."""
     parser.add_argument('--effect', metavar='ID.PARAMETER=VALUE', action='append', default=[],
-                        help="add an effect to the rig's (repeatable; SI, or VALUE[unit])")
+                        help="add an effect to the rig's (repeatable; SI, or VALUE[unit]); "
+                             'parameters of it that are not given have their typical values')
     parser.add_argument('--factor', metavar='QUANTITY=FACTOR', action='append', default=[],
                         help='factor of this unit on a quantity, e.g. motor.leakage=1.05')
 

@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     pace.add_argument('--realtime', action='store_true', help='the clock on the wall')
     add_rig_argument(parser)
     parser.add_argument('--effect', metavar='ID.PARAMETER=VALUE', action='append', default=[],
-                        help='hidden in the plant; SI, or with a unit: =5[L/min] (repeatable)')
+                        help='hidden in the plant; SI, or with a unit: =5[L/min] (repeatable); '
+                             'parameters of it that are not given have their typical values')
     parser.add_argument('--effects-from', metavar='S', type=float, default=0.0,
                         help='the hidden effects act from this time of the run on')
     parser.add_argument('--seed', type=int, help="of the sensors' noise (default: scenario's)")

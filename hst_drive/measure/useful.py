@@ -50,7 +50,7 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
         # A part of the drive is judged row by row, without its motion.
         if run.sample_time > _SLOWEST and not is_part(run, rig):
             raise InputError(
-                f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second, or at '
+                f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second, at '
                 f'least one each {_SLOWEST:g} s: what the drive does between rows decides. '
                 "Record faster; if the times are not seconds, name their unit ('time[ms]')")
     speeds = [np.abs(run['motor_speed']) for run in runs if 'motor_speed' in run]

@@ -12,6 +12,8 @@ from hst_drive.effects import catalogue, left_out, Parameter
 from hst_drive.errors import InputError
 from hst_drive.units import si_unit, to_si, UnitError
 
+_OWN = 'see hst-drive effects; if it is one of your own, install the package that declares it'
+
 
 def read_effects(found: object, source: str) -> dict[str, dict[str, float]]:
     """
@@ -39,7 +41,7 @@ def _effect(name: str, content: object, source: str) -> dict[str, float]:
     if name not in effects:
         reason = next((line for line in left_out() if f"'{name}'" in line), None)
         raise InputError(f"{source}: unknown effect '{where}'; "
-                         f"{reason or _near(name, effects, 'see hst-drive effects')}")
+                         f'{reason or _near(name, effects, _OWN)}')
     if not isinstance(content, dict):
         raise InputError(f"{source}: '{where}' is {_shown(content)}, expected parameters")
     declared = {entry.name: entry for entry in effects[name].parameters}

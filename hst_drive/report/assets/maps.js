@@ -77,7 +77,7 @@ const Maps = (() => {
       const y = scale(-most, most, 96, 22);
       draw('rect', {class: 'band', x: LEFT, width: width - LEFT - RIGHT, y: y(found.floor),
         height: y(-found.floor) - y(found.floor)}, picture);
-      for (const [value, text] of ticks(-most, most, 3)) {
+      for (const [value, text] of ticks(-most, most, 4)) {
         draw('text', {class: 'tick', x: LEFT - 6, y: y(value) + 4, 'text-anchor': 'end'}, picture,
           text);
       }
