@@ -21,7 +21,7 @@ from typing import Callable, Container, Iterator, NamedTuple
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_limit, Fit, fit, score
 from hst_drive.diagnose.nameless import (
-    faint, Freer, much_left, PATIENT, sure, told_as, Trial)
+    as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
@@ -94,12 +94,10 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str])
     """Say whether a cause alone is the better answer."""
     if left:
         return sure(search, best, alone) is not None and not much_left(search, best, alone)
-    cause = Candidate((), alone, score(search.campaign, alone))
-    if search.unexplained(cause):
-        return False
     if len(best.names) == 1:
-        return cause.score < best.score and not _strained(search, alone)
-    return not search.worthwhile(cause, best) and not search.agreed(cause, best)
+        return (score(search.campaign, alone) < best.score and not _strained(search, alone)
+                and not search.unexplained(best._replace(fit=alone)))
+    return as_much(search, best, alone)
 
 
 def _strained(search: Search, fitted: Fit) -> bool:

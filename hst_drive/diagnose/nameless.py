@@ -97,6 +97,13 @@ def sure(search: Search, best: Candidate, trial: Fit) -> tuple[str, float] | Non
     return beaten(search, min(best, again, key=lambda item: item.score), trial)
 
 
+def as_much(search: Search, best: Candidate, trial: Fit) -> bool:
+    """Say whether a trial leaves nothing, and nothing of several effects is needed beside it."""
+    alone = Candidate((), trial, score(search.campaign, trial))
+    return not (search.unexplained(alone) or search.worthwhile(alone, best)
+                or search.agreed(alone, best))
+
+
 def much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
     """Say whether a trial leaves more than formulas are off machines."""
     if not search.unexplained(best._replace(fit=fitted)):

@@ -18,7 +18,7 @@ from hst_drive.diagnose.answers import (
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.nameless import (
-    beaten, fitted_freer, Freer, much_left, share_of, sure, told_as, Trial)
+    as_much, beaten, fitted_freer, Freer, much_left, share_of, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
@@ -97,12 +97,17 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     for name in names:
         model = model.without(name)
     trial = fitted_freer(search.campaign, model, _OF_WARMTH)
-    gained = trial and sure(search, best, trial.fit)
-    if not gained:
+    if not trial:
+        return {}
+    gained = sure(search, best, trial.fit)
+    # Of what explains as much one cause is a better answer than several.
+    if not gained and (score(search.campaign, trial.fit) >= best.score
+                       or not as_much(search, best, trial.fit)):
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
+    more = f'leaves {share_of(gained)}' if gained else 'explains as much alone'
     return dict.fromkeys(names, Stranger(
-        f'together come near, but {trial.what} in their place leaves {share_of(gained)}', unknown))
+        f'together come near, but {trial.what} in their place {more}', unknown))
 
 
 def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:

@@ -15,6 +15,8 @@ from functools import lru_cache
 import numpy as np
 
 _LOG_40_DEGC = np.log10(313.15)
+# Mineral oil, where the rig file of a part tells nothing of its own: Pa, kg/m^3.
+BULK_MODULUS, DENSITY = 1.4e9, 870.0
 # Grade: mm^2/s at 40 degC, mm^2/s at 100 degC; the same stand in config/oil_grades.yaml.
 GRADES: dict[str, tuple[float, float]] = {
     'ISO VG 10': (10.0, 2.6), 'ISO VG 15': (15.0, 3.3), 'ISO VG 22': (22.0, 4.3),

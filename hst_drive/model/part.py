@@ -15,13 +15,14 @@ import math
 from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, READABLE
-from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import played
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import Line
 import numpy as np
 
 Known = Mapping[str, Any]
@@ -55,7 +56,7 @@ class PartModel:
         self.factors = dict(rig.calibration)
         for key, value in (factors or {}).items():
             self.factors[key] = self.factors.get(key, 1.0) * value
-        if rig.line is not None and rig.line.oil_grade not in GRADES:
+        if rig.line is not None and rig.line.oil_grade not in (*GRADES, ''):
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
 
@@ -91,13 +92,12 @@ class PartModel:
         if rig.pump is not None:
             found.update(max_displacement=rig.pump.max_displacement,
                          nominal_speed=rig.pump.shaft_speed)
-        if rig.line is not None:
-            found.update(bulk_modulus=rig.line.bulk_modulus * self.factor('line.bulk_modulus'),
-                         oil_density=rig.line.oil_density)
-            if 'oil_temperature' in known:
-                grade = rig.line.oil_grade
-                found['viscosity_ratio'] = viscosity(
-                    known['oil_temperature'], grade) / viscosity(rig.characterised_at, grade)
+        oil = rig.line or Line()
+        found.update(bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
+                     * self.factor('line.bulk_modulus'), oil_density=oil.oil_density or DENSITY)
+        if 'oil_temperature' in known and oil.oil_grade:
+            found['viscosity_ratio'] = (viscosity(known['oil_temperature'], oil.oil_grade)
+                                        / viscosity(rig.characterised_at, oil.oil_grade))
         if rig.relief_valve is not None:
             found['relief_pressure'] = rig.relief_valve.set_pressure
         return found
@@ -199,12 +199,11 @@ class PartModel:
         relief: Any = 0.0
         valve = self.rig.relief_valve
         if valve is not None:
-            # Eq. (2) of the drill-drive paper; without a line the usual density of oil.
-            density = known.get('oil_density', 870.0)
+            # Eq. (2) of the drill-drive paper.
+            head = np.maximum(pressure - valve.reference_pressure, 0.0) / known['oil_density']
             relief = np.where(
                 pressure > valve.set_pressure,
-                valve.discharge_coefficient * valve.area * np.sqrt(2 / density * np.maximum(
-                    pressure - valve.reference_pressure, 0.0)), 0.0)
+                valve.discharge_coefficient * valve.area * np.sqrt(2 * head), 0.0)
         ideal = known['displacement'] * speed
         return ideal - leakage - relief - self.terms('pump_flow_loss', {
             **known, 'pump_speed': speed, 'flow': known.get('flow', ideal)})

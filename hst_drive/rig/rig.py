@@ -119,12 +119,17 @@ class Motor:
 
 @dataclass(frozen=True)
 class Line:
-    """The oil between pump and hydromotor: Pa, m^3, kg/m^3 and the oil's ISO grade."""
+    """
+    The oil between pump and hydromotor: Pa, m^3, kg/m^3 and the oil's ISO grade.
 
-    bulk_modulus: float
-    volume: float
-    oil_density: float
-    oil_grade: str
+    ``given`` as for ``Pump``; what a file of a part leaves out is 0 or ''.
+    """
+
+    bulk_modulus: float = 0.0
+    volume: float = 0.0
+    oil_density: float = 0.0
+    oil_grade: str = ''
+    given: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -109,12 +109,14 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
 
 # What the file of a part (a section of the drive is missing) may leave out: no leakage table
 # means no leakage, no efficiency table an efficiency of 1, no displacement curve a pump of fixed
-# displacement; the balances that need one of the numbers are then not judged.
+# displacement, no volume of the line one that takes no oil, no bulk modulus and density those of
+# a mineral oil; the balances that need one of the other numbers are then not judged.
 PART: dict[str, tuple[str, ...]] = {
     'pump': ('shaft_speed_rpm', 'max_displacement_cc_rev', 'displacement_vs_command',
              'displacement_lag_s', 'leakage_L_min'),
     'motor': ('displacement_cc_rev', 'inertia_total_kg_m2', 'leakage_L_min',
               'mechanical_efficiency'),
+    'line': ('bulk_modulus_Pa', 'volume_m3', 'oil_density_kg_m3', 'oil_grade'),
 }
 
 # Suffix of a sensor's keys by channel.

@@ -163,8 +163,8 @@ def test_too_few_operating_points():
 def test_part_of_a_rig_is_still_read_strictly():
     with pytest.raises(InputError, match="unknown key 'motor.inertia'"):
         parse_rig({'motor': {'inertia': 3}}, 'rig.yaml')
-    with pytest.raises(InputError, match="key 'line.volume_m3' is missing"):
-        parse_rig({'line': {'bulk_modulus_Pa': 1e9}}, 'rig.yaml')
+    with pytest.raises(InputError, match="key 'relief_valve.set_pressure_bar' is missing"):
+        parse_rig({'relief_valve': {'area_m2': 1e-5}}, 'rig.yaml')
     rig = parse_rig({'motor': {'displacement_cc_rev': 100}}, 'rig.yaml')
     assert not rig.whole and rig.motor.leakage(1e7, 5.0) == 0
     assert rig.motor.mechanical_efficiency(1e7, 5.0) == 1

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hst_drive.errors import InputError
 from hst_drive.model import Drive
+from hst_drive.model.part import PartModel
 from hst_drive.resources import share
 from hst_drive.rig import default_rig, load_rig, parse_rig
 import numpy as np
@@ -198,6 +199,18 @@ def test_a_part_of_a_rig_loads_and_says_what_it_lacks():
                                  'drive needs it; add it to the rig file')
     with pytest.raises(InputError, match="section 'pump' is missing"):
         Drive(rig)
+
+
+def test_a_part_may_tell_of_its_oil_alone():
+    """A bench names its oil; how much of it lies in a line is the drive's matter."""
+    bench = {'motor': GOOD['motor'], 'line': {'oil_grade': 'ISO VG 46'}}
+    known = PartModel(parse_rig(bench)).complete({'oil_temperature': 303.15})
+    assert known['viscosity_ratio'] > 2 and 1.2e9 < known['bulk_modulus'] < 1.7e9
+    pump = PartModel(parse_rig({'pump': GOOD['pump'], 'line': {}}))
+    assert pump.capacity(pump.complete({})) == 0
+    whole = changed('line', {'oil_grade': 'ISO VG 46'})
+    with pytest.raises(InputError, match="'line.bulk_modulus_Pa' is missing"):
+        parse_rig(whole)
 
 
 def test_parameters_that_are_left_out_are_neutral():
