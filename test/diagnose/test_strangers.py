@@ -77,13 +77,16 @@ def test_bent_flow_meter_is_told_with_a_formula_to_adopt():
 
 
 @pytest.mark.needs_numba
-@pytest.mark.parametrize('hidden, beaten', [
-    ({'temperature_friction': 1.2}, True), ({'bearing_friction': 0.8, 'viscous_drag': 0.8}, False),
-    ({'back_pressure': 0.8, 'stribeck_friction': 1.2}, False)])
-def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(hidden, beaten):
-    search = Search(Campaign(*as_runs(make_campaign(46, hidden))), (
+@pytest.mark.parametrize('seed, hidden, beaten', [
+    (46, {'temperature_friction': 1.2}, True),
+    # Three effects explain it down to the noise; one cause is the better answer.
+    (11702054, {'temperature_friction': {'size': 0.76, 'form': 'exponential'}}, True),
+    (46, {'bearing_friction': 0.8, 'viscous_drag': 0.8}, False),
+    (46, {'back_pressure': 0.8, 'stribeck_friction': 1.2}, False)])
+def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(seed, hidden, beaten):
+    search = Search(Campaign(*as_runs(make_campaign(seed, hidden))), (
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
-        'back_pressure'))
+        'back_pressure', 'line_loss'))
     best = search.run()
     found = strangers(search, best)
     assert bool(found) is beaten
