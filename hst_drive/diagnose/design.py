@@ -193,6 +193,6 @@ def in_short(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> str:
     work = Designer(rig, models, channels)
     best = work.rate(work.pure(_QUICK))[0]
     if best.worth < ANY + HOPELESS:
-        return ('no simple load and command profile separates them with these channels; '
-                f'{pointer} or names the sensor to add')
+        return ("a quick look found no test with these channels; 'hst-drive design' with this "
+                'diagnosis looks closer: it writes one, or names the sensor to add')
     return f'{best.trial.words}, about two minutes; {pointer}'
