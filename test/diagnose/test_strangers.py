@@ -113,6 +113,17 @@ def test_load_of_each_turn_is_told_from_a_rough_one(hidden, told):
 
 
 @pytest.mark.needs_numba
+def test_load_of_each_turn_is_placed_at_the_load_where_no_load_is_recorded():
+    found = beside_nothing({'bit_eccentricity': 1.3}, channels=(
+        'pump_command', 'pprv_command', 'oil_temperature', 'pump_outlet_pressure',
+        'motor_inlet_flow', 'motor_speed')).unknown
+    assert (found.enters, found.depends_on) == ('load', ('motor_angle',))
+    after, before = (entry['pump_outlet_pressure'] for entry in (
+        found.formula.after, found.formula.before))
+    assert after < 1.25 < before
+
+
+@pytest.mark.needs_numba
 @pytest.mark.parametrize('hidden, told', [({'pump_asymmetric_lag': 1.0}, True), ({}, False),
                                           ({'pump_dead_time': 0.2}, False)])
 def test_lag_of_one_way_is_told_where_the_units_own_lag_hides_it(hidden, told):
