@@ -19,7 +19,7 @@ _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 
 def refuse_still(run: Run) -> None:
     """
-    Check that any reading of a sensor changes.
+    Check that any of the sensors' readings changes.
 
     Raises
     ------
@@ -29,7 +29,8 @@ def refuse_still(run: Run) -> None:
     """
     readings = [values[np.isfinite(values)] for name, values in run.channels.items()
                 if CHANNELS[name].hold == 'linear']
-    if len(run) > 1 and readings and all(len(np.unique(values)) < 2 for values in readings):
+    # A single one that stands still may do so rightly; what it lacks is told elsewhere.
+    if len(readings) > 1 and all(len(np.unique(values)) < 2 for values in readings):
         raise InputError(f'{run.source}: every reading holds one number throughout; nothing was '
                          'measured: check the sensors and the logger, or leave this log out')
 
