@@ -11,10 +11,11 @@ neither, they are the better answer.
 """
 from __future__ import annotations
 
-from hst_drive.diagnose.judge import AT_NOISE, CLEAN_FITTED, SIGNIFICANT
+from hst_drive.diagnose.judge import AT_NOISE, CLEAN_FITTED, contribution, SIGNIFICANT
 from hst_drive.diagnose.search import Candidate, Search
 
 _SINGLES = 6        # that are combined, the best ones
+_FORM = 0.05        # of what an effect does: less is left by another formula of it
 _SHARE = 0.3        # of that signal's squared error, which the pair must take on both
 
 
@@ -35,7 +36,11 @@ def pair_instead(search: Search, best: Candidate) -> Candidate:
 
 
 def _left(search: Search, best: Candidate) -> list[str]:
-    """Return the signals that stay well above the noise, fitted and held out."""
-    fitted, held_out = (search.campaign.ratios(best.fit.errors, kind) for kind in (False, True))
-    return [name for name, value in held_out.items()
-            if min(value, fitted.get(name, 0.0)) > CLEAN_FITTED]
+    """Return the signals that stay well above noise and formula, fitted and held out."""
+    def high(held_out: bool) -> set[str]:
+        done = contribution(search.campaign, search.base, best.fit, held_out)
+        return {name for name, ratio in search.campaign.ratios(best.fit.errors, held_out).items()
+                if ratio > CLEAN_FITTED
+                and ratio**2 - 1 > (_FORM * done[name])**2}
+
+    return sorted(high(False) & high(True))
