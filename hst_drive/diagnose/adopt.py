@@ -100,6 +100,10 @@ def _values(entry: dict, source: str) -> dict[str, float]:
         if key not in known:
             raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "
                              f'{", ".join(known)}')
+    size = next(iter(known))
+    if size not in values:
+        raise InputError(f"{source}: effect '{name}' lacks its size '{size}'; write the diagnosis "
+                         'again')
     if name in FORMULAS:
         # Powers of 0 are what a formula has without being told.
         return {key: value for key, value in values.items()

@@ -167,6 +167,10 @@ def no_value(content):
     content['effects'][0]['parameters']['coulomb'] = {'value': None}
 
 
+def no_size(content):
+    del content['effects'][0]['parameters']['coulomb']
+
+
 def foreign_parameter(content):
     content['effects'][0]['parameters']['weight'] = {'value': 1.0}
 
@@ -186,6 +190,7 @@ BAD = {
     'nothing found': (without_effects, "is 'none' and names no effect"),
     'an effect that is not known': (foreign_effect, "effect 'moon_phase' is not in the catalogue"),
     'a value that is missing': (no_value, "effect 'bearing_friction' has no readable"),
+    'a size that is missing': (no_size, "effect 'bearing_friction' lacks its size 'coulomb'"),
     'a parameter that is not known': (foreign_parameter, "has no parameter 'weight'"),
     'a quantity that is not known': (foreign_quantity, 'motor.colour'),
     'no factor': (no_factor, "key 'calibration'"),
