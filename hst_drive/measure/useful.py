@@ -27,7 +27,7 @@ def refuse_still(run: Run) -> None:
         Otherwise.
 
     """
-    readings = [values[np.isfinite(values)] for name, values in run.channels.items()
+    readings = [_finite(values) for name, values in run.channels.items()
                 if CHANNELS[name].hold == 'linear']
     # A single one that stands still may do so rightly; what it lacks is told elsewhere.
     if len(readings) > 1 and all(len(np.unique(values)) < 2 for values in readings):
@@ -42,8 +42,8 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     Raises
     ------
     InputError
-        If a reading stands still (``refuse_still``), if rows are too far apart for a drive's
-        motion, or if the drive never turns in any recording.
+        If no reading of a recording changes (``refuse_still``), if rows are too far apart for a
+        drive's motion, or if the drive turns in no recording.
 
     """
     for run in runs:
@@ -54,11 +54,15 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
                 f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second, at '
                 f'least one each {_SLOWEST:g} s: what the drive does between rows decides. '
                 "Record faster; if the times are not seconds, name their unit ('time[ms]')")
-    speeds = [np.abs(run['motor_speed']) for run in runs if 'motor_speed' in run]
-    if len(speeds) == len(runs) and all(np.nanpercentile(
-            speed, _TAIL) < _TURNS for speed in speeds if np.isfinite(speed).any()):
-        greatest = from_si(max(np.nanmax(speed, initial=0.0) for speed in speeds), 'rpm')
+    speeds = [_finite(np.abs(run['motor_speed'])) if 'motor_speed' in run else np.zeros(0)
+              for run in runs]
+    if all(len(speed) and np.percentile(speed, _TAIL) < _TURNS for speed in speeds):
+        greatest = from_si(max(speed.max() for speed in speeds), 'rpm')
         raise InputError(
             f'{", ".join(run.source for run in runs)}: the drive never turns (motor_speed is '
             f'{greatest:.2g} rpm at most); nothing can be told from a drive at rest: record it '
             'drilling, or check the speed sensor')
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return values[np.isfinite(values)]
