@@ -31,8 +31,9 @@ NEEDS = {
                      'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
-    **dict.fromkeys(('diagnose/test_causes.py', 'diagnose/test_orders.py',
-                     'diagnose/test_pairs.py', 'diagnose/test_phases.py',
+    **dict.fromkeys(('diagnose/test_causes.py', 'diagnose/test_hopes.py',
+                     'diagnose/test_orders.py', 'diagnose/test_pairs.py',
+                     'diagnose/test_phases.py',
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
                      'diagnose/test_shapes.py', 'diagnose/test_strangers.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
