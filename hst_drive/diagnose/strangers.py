@@ -129,7 +129,7 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
     if isinstance(search.campaign, PartCampaign):
         return None
     for trial in _beside(search, best, left):
-        gained = beaten(search, best, trial.fit)
+        gained = sure(search, best, trial.fit)
         # Who says better what is left than its place and a formula do explains it.
         if gained and not (trial.unknown and left and much_left(search, best, trial.fit)):
             return Stranger(f'{trial.what} leaves {share_of(gained)}', trial.unknown)
