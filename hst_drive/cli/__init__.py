@@ -109,10 +109,11 @@ def main(argv: Sequence[str] | None = None, *, prog: str = PROG) -> int:
             traceback.print_exc()
         return _fail(problem, _WRONG_INPUT)
     except Exception as problem:
+        if show_traceback:
+            traceback.print_exc()
         if isinstance(problem, OSError) and problem.errno in _NO_ROOM:
             return _fail(f'{problem.filename or "output"}: {problem.strerror}', _WRONG_INPUT)
         if show_traceback:
-            traceback.print_exc()
             return _FAILED
         text = ' '.join(str(problem).split())
         return _fail(f'{type(problem).__name__}{": " if text else ""}{text} (not your input: see '

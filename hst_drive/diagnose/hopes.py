@@ -28,13 +28,13 @@ def hopes(search: Search, candidate: Candidate) -> Iterator[tuple[float, str]]:
     columns_of = dict(zip(own.names, own.jacobian.T))
     vector = unknowns.pack(own.model)
     prior = np.where(np.arange(len(vector)) < unknowns.factors, 1.0, 0.0)
-    left = np.concatenate([campaign.training(own.errors), prior * vector])
+    without = campaign.training(own.errors)
+    left = np.append(without, prior * vector)
     known = np.vstack([np.column_stack([columns_of[key] for key in unknowns.names]),
                        np.diag(prior)])
     low = np.minimum(unknowns.low - vector, 0.0)
     high = np.maximum(unknowns.high - vector, 0.0)
     start = campaign.training(search.base.errors)
-    without = campaign.training(own.errors)
 
     def least(move: np.ndarray, lowest: float) -> float:
         columns = np.column_stack([known, np.append(move, np.zeros(len(vector)))])

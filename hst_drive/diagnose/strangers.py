@@ -145,13 +145,14 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
     trial = fitted_freer(turned, best.fit.model, _BESIDE, known=search.factors)
-    if trial and turned.replays[0].torque not in turned.signals:
+    if not trial:
+        return
+    if turned.replays[0].torque not in turned.signals:
         # Where no load is recorded what is left cannot say that it is one.
         seen = trial._replace(unknown=Unknown(
             'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]', (), 0.0))
         trial = trial._replace(unknown=told_as(turned, lambda: best.fit, seen))
-    if trial:
-        yield trial
+    yield trial
 
 
 def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:

@@ -248,6 +248,11 @@ def test_the_rig_alone_on_standard_output(written, capsys):
     assert parse_rig(yaml.safe_load(out)).effects.keys() == FOUND.keys()
 
 
+def test_a_name_that_is_too_long_is_refused_in_one_line(written, tmp_path, capsys):
+    target = tmp_path / f'{"x" * 300}.yaml'
+    assert 'File name too long' in refused(capsys, written, '-o', target)
+
+
 def test_the_calibration_alone_where_nothing_is_missing(written, tmp_path, capsys):
     """A healthy unit off its datasheet: the rig then has its factors, and no effect."""
     none, target = tmp_path / 'none.json', tmp_path / 'unit.yaml'

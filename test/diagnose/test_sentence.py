@@ -1,0 +1,22 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How numbers of a diagnosis are told."""
+from hst_drive.diagnose.sentence import limits, times
+import pytest
+
+
+@pytest.mark.parametrize('verdict, quantities, told', [
+    ('none', [], ''),
+    ('none', ['pump.leakage'], 'But pump.leakage sits at the limit of its tolerance: what acts '
+                               'like it may be missing, too small to tell.'),
+    ('ambiguous', ['pump.leakage', 'motor.leakage', 'motor.inertia'],
+     'But pump.leakage, motor.leakage and motor.inertia sit at the limits of their tolerances: '
+     'what acts like them may be missing as well.'),
+    ('unknown', ['pump.leakage'], 'Of the unit pump.leakage sits at the limit of its tolerance.'),
+])
+def test_limits_are_told_in_one_sentence(verdict, quantities, told):
+    assert limits(verdict, quantities) == told
+
+
+def test_a_fall_near_the_noise_is_not_rounded_away():
+    assert (times(1.04), times(1.0), times(15.82)) == ('1.04', '1.00', '15.8')
