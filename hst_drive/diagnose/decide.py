@@ -15,7 +15,7 @@ from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import CLEAN_FITTED, excess
 from hst_drive.diagnose.observable import visibility
-from hst_drive.diagnose.odd_log import odd_log
+from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
@@ -90,7 +90,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if not remaining and (left or doubt):
         remaining = unknowns.describe(campaign, best.fit, doubt)
     drifting = [entry for entry in drifting if entry.channel in left]
-    odd = odd_log(campaign) if left and not drifting else None
+    mixed = left and not drifting
+    odd = odd_log(campaign) if mixed else None
+    several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     order = _order(search, best)
@@ -113,6 +115,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
             sentence(verdict, effects, ladder, remaining).strip(),
+            *(['Each log alone is explained by a unit within its tolerances, but not all by the '
+               'same: were they recorded on several drives, or was a part changed in between?']
+              if several else []),
             limits(verdict, [entry.quantity for entry in moved if entry.at_limit]),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
@@ -125,7 +130,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         rivals={**_why_lost(search, best, rivals),
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
-        logs=tuple(run.source for run in (*runs, *holdout)))
+        logs=tuple(run.source for run in (*runs, *holdout)),
+        held_out=tuple(run.source for run in holdout))
 
 
 def _unit(effect: str, key: str) -> str:

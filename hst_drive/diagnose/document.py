@@ -14,6 +14,7 @@ def as_json(result: Diagnosis) -> dict:
         'schema': SCHEMA, 'verdict': result.verdict,
         'sentence': result.sentence, 'rig': result.rig,
         'rig_digest': result.rig_digest, 'logs': result.logs,
+        'held_out': result.held_out,
         'effects': [{'id': entry.id,
                      'parameters': {key: value._asdict()
                                     for key, value in entry.parameters.items()},

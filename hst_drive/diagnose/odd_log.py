@@ -1,11 +1,12 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-A recording in which a sensor reads otherwise than in the others of its campaign.
+Recordings that are not of one drive: a sensor that reads otherwise in one, another unit in each.
 
 Physics that a model lacks is there in all recordings that visit where it shows. Where all but one
 are explained, and that one is once a sensor's zero and span are set right, something was different
-there: the unit in a column's heading, a sensor that was changed, another machine.
+there: the unit in a column's heading, a sensor that was changed, another machine. Where each alone
+is explained, but not all by one unit, they may be of several drives.
 """
 from __future__ import annotations
 
@@ -35,6 +36,13 @@ def odd_log(campaign: Campaign) -> tuple[int, str] | None:
             if not _left(alone, fit(alone, start, iterations=PATIENT)):
                 return log, freer.what
     return None
+
+
+def several_drives(campaign: Campaign) -> bool:
+    """Say whether each recording alone is explained, though not all are by one unit."""
+    alone = (campaign.of_logs(lambda place, log=log: place == log, all_to_fit=True)
+             for log in range(len(campaign.replays)))
+    return len(campaign.replays) > 1 and not any(_left(each, calibrated(each)) for each in alone)
 
 
 def _left(campaign: Campaign, fitted: Fit) -> bool:

@@ -147,6 +147,10 @@ class Diagnosis:
         See there; None if there is nothing to say.
     rivals : dict of str to str
         Effects that lost, and why.
+    rig, rig_digest : str
+        The baseline, by its file and by what it says.
+    logs, held_out : tuple of str
+        All recordings, and those of them that only judged; without any, a third of each did.
 
     """
 
@@ -164,6 +168,7 @@ class Diagnosis:
     rig: str = ''
     rig_digest: str = ''
     logs: tuple[str, ...] = ()
+    held_out: tuple[str, ...] = ()
 
 
 def require_schema(content: object, source: str) -> None:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from hst_drive.measure.run import Run
 import numpy as np
 
-MOST = 0.3              # share of a recording that may be left out
+MOST = 0.5              # share of a recording that may be left out
 _START = 3.0            # s within which a drive may still break away from standstill
 _CAVITATING = 0.3e5     # Pa gauge
 _AFTER = 1.0            # s that the ringing after either takes

@@ -149,6 +149,14 @@ def _mean(values: np.ndarray) -> np.ndarray:
                     np.nan)
 
 
+def same_recording(one: Run, other: Run) -> bool:
+    """Say whether two files hold one recording: the same times and the same readings."""
+    return (one.channels.keys() == other.channels.keys()
+            and np.array_equal(one.time, other.time)
+            and all(np.array_equal(values, other[name], equal_nan=True)
+                    for name, values in one.channels.items()))
+
+
 def refuse_impossible(run: Run) -> None:
     """
     Check that no channel holds numbers that no hydraulic drive has.

@@ -90,7 +90,8 @@ def test_a_bag_gives_what_the_csv_gives(run, log, tmp_path, capsys):
             assert signals[name]['samples'] == found[0][name]['samples'] == len(run)
 
 
-def test_several_logs(run, log, tmp_path, capsys):
+def test_several_logs(log, tmp_path, capsys):
+    run = record(4, duration=4.0)
     write_csv(tmp_path / 'run.csv', run)
     code, out, err = command(capsys, log, tmp_path / 'run.csv', '--plot', tmp_path / 'a.png',
                              '--json', tmp_path / 'a.json')
@@ -231,6 +232,9 @@ def test_what_cannot_be_written_or_counts_twice_is_told_at_once(log, tmp_path, c
     assert 'ends in .png' in refused(capsys, log, '--plot', tmp_path / 'a')
     assert 'cannot be written' in refused(capsys, log, '--plot', tmp_path / 'no' / 'a.png')
     assert 'given twice' in refused(capsys, log, log)
+    copy = tmp_path / 'copy.csv'
+    copy.write_bytes(log.read_bytes())
+    assert f'{copy}: holds the same recording as {log}' in refused(capsys, log, copy)
 
 
 def test_a_frozen_channel_is_told(run, tmp_path, capsys):

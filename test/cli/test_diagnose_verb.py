@@ -55,6 +55,8 @@ def test_json_is_that_of_the_contract(content):
     """Every key of the contract is there, with its type."""
     assert content['schema'] == 'hst_drive/diagnosis/1'
     assert content['verdict'] in VERDICTS
+    first, second = content['logs']
+    assert first.endswith('open_loop.csv') and content['held_out'] == [second]
     ids = set(catalogue())
     for effect in content['effects']:
         assert effect['id'] in ids

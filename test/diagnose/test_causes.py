@@ -50,12 +50,24 @@ def test_a_recording_unlike_the_others_is_named(healthy):
     found = diagnose(rig, [runs[0], odd, *runs[2:]], held)
     assert found.verdict == 'unknown'
     assert found.sentence.startswith(f'{odd.source} is unlike the others')
+    assert 'several drives' not in found.sentence
+
+
+def test_two_drives_in_one_campaign_are_told(healthy):
+    """Each lacks nothing; nor does any effect make one of the two."""
+    rig, runs, held = healthy
+    other = [replace(run, name=f'{run.name}_2', source=f'{run.name}_2')
+             for run in as_runs(make_campaign(46, {}))[1][:2]]
+    found = diagnose(rig, [*runs[:2], *other], held)
+    assert found.verdict == 'unknown' and 'on several drives' in found.sentence
+    assert found.held_out == tuple(run.source for run in held)
 
 
 def test_a_healthy_drive_has_no_odd_recording(healthy):
     rig, runs, held = healthy
     found = diagnose(rig, runs, held)
-    assert found.verdict == 'none' and 'unlike' not in found.sentence
+    assert found.verdict == 'none'
+    assert 'unlike' not in found.sentence and 'several' not in found.sentence
 
 
 def test_a_sensor_that_a_listed_effect_explains_keeps_that_name():

@@ -53,10 +53,10 @@ def test_a_late_stop_counts():
 
 def test_what_fills_the_recording_is_not_left_out():
     speed = np.where(TIME < 1.0, 0.0, 10.0)
-    found = judged(run(speed=speed, pressure=np.where(TIME % 10 < 4, 0.0, 60e5)))
+    found = judged(run(speed=speed, pressure=np.where(TIME % 10 < 5, 0.0, 60e5)))
     assert [span.why for span in found.left_out] == ['start from rest']
-    assert found.kept == {'cavitation': pytest.approx(0.5, abs=0.01)}
-    short = run(speed=speed[:400], time=TIME[:400])
+    assert found.kept == {'cavitation': pytest.approx(0.6, abs=0.01)}
+    short = run(speed=speed[:350], time=TIME[:350])
     assert judged(short).samples.all() and judged(short).kept.keys() == {'start from rest'}
 
 
