@@ -16,6 +16,7 @@ _NEARLY = 0.1           # of what the best takes away: who leaves no more is tri
 BEATEN_SHARE = 0.03    # of the held-out squared error: what tells two explanations apart
 BEATEN_SIGMA = 3.0
 _BEATEN_FORM = 0.06     # of what the effect does: the formula's own uncertainty
+_AS_GOOD = 0.06        # of the squared error: less is no sign of what more parameters stand for
 BEATEN_SCORE = 12.0    # twice the natural logarithm of the likelihood ratio
 
 
@@ -58,6 +59,29 @@ def uncertainty(names: Sequence[str], others: Sequence[str]) -> float:
     alike = [max(catalogue()[name].formula_error, catalogue()[other].formula_error)
              for name in names for other in others if other in catalogue()[name].alike]
     return max(alike, default=_BEATEN_FORM)
+
+
+def plainer(search: Search, best: Candidate) -> Candidate:
+    """
+    Return the best with an effect of fewer parameters in the place of one that looks alike.
+
+    Only where it leaves as much as the other, held out and fitted.
+    """
+    for name in best.names:
+        kept = best.fit.model.without(name)
+        others = tuple(entry for entry in best.names if entry != name)
+        rivals = [search.refine(rival) for rival in search.try_all(
+            [((*others, entry), kept) for entry in catalogue()[name].alike
+             if entry in search.candidates and entry not in best.names
+             and len(catalogue()[entry].parameters) < len(catalogue()[name].parameters)],
+            'trying rivals', again=True)]
+        as_good = [rival for rival in rivals if all(
+            gain.share[signal] < _AS_GOOD or gain.sigma[signal] < BEATEN_SIGMA
+            for held_out in (True, False)
+            for gain in [search.gain(rival, best, held_out)] for signal in gain.share)]
+        if as_good:
+            return min(as_good, key=lambda rival: rival.score)
+    return best
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:

@@ -136,7 +136,8 @@ class Campaign:
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter of an effect is fitted rather than chosen."""
         parameter = catalogue(everything=True)[name].parameter(key)
-        return not parameter.fixed and parameter.recorded_in(self.signals)
+        return not parameter.fixed and (parameter.whole_drive
+                                        or parameter.recorded_in(self.signals))
 
     def scatter(self, name: str) -> float:
         """

@@ -7,7 +7,7 @@ import math
 from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
-from hst_drive.diagnose.alternatives import alternatives
+from hst_drive.diagnose.alternatives import alternatives, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
@@ -72,7 +72,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = pair_instead(search, search.run())
+    best = plainer(search, pair_instead(search, search.run()))
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:

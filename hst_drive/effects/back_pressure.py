@@ -28,10 +28,11 @@ EFFECT = Effect(
                   'gauge pressure at the hydromotor outlet, at 10 rad/s'),
         Parameter('flow_share', '1', 0.0, 0.6, 0.0,
                   'share of it that goes with the flow (filter, return pipe)', whole_drive=True),
-        # With the load's size alone nobody could tell it from a higher pressure.
+        # On a bench without the gauge nobody could tell it from a higher pressure.
         Parameter('loss_share', '1', 0.0, 2.0, 0.0,
                   '0: losses follow the difference of the port pressures, 1: the inlet pressure, '
-                  '2: their sum', needs='motor_outlet_pressure'),
+                  '2: their sum', whole_drive=True, needs='motor_outlet_pressure',
+                  usual=(0.0, 1.0)),
     ),
     telltale='Pressure is too high by the same amount at every load; at every speed, too, unless '
              'the return line throttles.',

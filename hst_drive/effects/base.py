@@ -108,7 +108,8 @@ class Parameter:
     machine; ``typical`` is a size at which the effect matters and where a fit may start. A
     ``fixed`` parameter is chosen, not fitted; one of the ``whole_drive`` is fitted there only: in
     logs of a part its values compete as effects of their own. One that ``needs`` a channel is
-    fitted only where that is recorded, and in a part the effect's other ones are then, too.
+    fitted only where that is recorded (if it is of the ``whole_drive``, there always), and in a
+    part the effect's other ones are then, too.
     ``usual`` are values that the field's formulas have: one of them is taken where the data do
     not ask for another.
     """

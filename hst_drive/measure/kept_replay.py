@@ -44,9 +44,10 @@ class KeptReplay(Replay):
         return super().predict(drive, extra, commands)
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
-                  commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
+                  commands: Mapping[str, np.ndarray] = {},
+                  extra: np.ndarray | None = None) -> dict[str, np.ndarray]:
         if not self._keeping:
-            return super()._simulate(drive, disturbance, commands)
+            return super()._simulate(drive, disturbance, commands, extra)
         key = self._key(drive)
         for known, added, signals in self._kept:
             if known == key and np.array_equal(added, disturbance):
@@ -76,8 +77,8 @@ class KeptReplay(Replay):
         if time[-1] - time[0] <= LONG or drive.has_flexible_shaft:
             yield from super().shaken(drive, seed, count)
             return
-        disturbance = self.disturbance(drive)
-        added = disturbance + self._smoother.draw_error(np.random.default_rng(seed))
+        disturbance = self._between.finer(self.disturbance(drive))
+        added = disturbance + self._finely().draw_error(np.random.default_rng(seed))
         counted = np.ones(len(time), dtype=bool) if count is None else count
         squares: dict[str, list[np.ndarray]] = {name: [] for name in self.signals}
         starts = np.linspace(time[0], time[-1] - _STRETCH, _STRETCHES)
@@ -107,11 +108,11 @@ class KeptReplay(Replay):
     def _stretch(self, drive: Drive, part: slice,
                  disturbance: np.ndarray) -> dict[str, np.ndarray]:
         """Return the signals of some rows alone, from the state that their first one shows."""
-        inputs = {**self.inputs, 'load_disturbance': disturbance}
-        signals = drive.simulate(
-            self._between.finer(self.run.time[part]),
-            {name: self._between.finer(values[part], name in INPUTS)
-             for name, values in inputs.items()},
-            self._state(drive, part.start))
+        steps = self._between.steps
+        inputs = {name: self._between.finer(values[part], name in INPUTS)
+                  for name, values in self.inputs.items()}
+        inputs['load_disturbance'] = disturbance[part.start * steps:(part.stop - 1) * steps + 1]
+        signals = drive.simulate(self._between.finer(self.run.time[part]), inputs,
+                                 self._state(drive, part.start))
         return {name: self.readings.as_read(name, self._between.at_rows(signals[name]), part)
                 for name in self.signals}

@@ -176,11 +176,14 @@ class Replay:
                             self.inputs['oil_temperature'])
 
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
-                  commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
+                  commands: Mapping[str, np.ndarray] = {},
+                  extra: np.ndarray | None = None) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
-        signals = self._motion(
-            drive, self._between.finer(self.run.time),
-            {name: self._between.finer(values, name in INPUTS) for name, values in inputs.items()})
+        finer = {name: self._between.finer(values, name in INPUTS)
+                 for name, values in inputs.items()}
+        if extra is not None:
+            finer['load_disturbance'] = finer['load_disturbance'] + extra
+        signals = self._motion(drive, self._between.finer(self.run.time), finer)
         return {name: self._between.at_rows(values) for name, values in signals.items()}
 
     def _motion(self, drive: Drive, time: np.ndarray,
@@ -201,7 +204,7 @@ class Replay:
         self._smoothed = None
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
-                    self.readings.noise(name, rest))
+                    self.readings.noise(name, rest), self._stated_noise(drive, name))
         self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
         sensor = self.readings.sensors.get(name)
         # A shaft's swings do not look like rock at short lags: they hide the noise.
@@ -217,19 +220,26 @@ class Replay:
         """
         Let the model take the motion away that a slow record cannot tell from noise.
 
-        Below four samples in a period of the hydraulic resonance that is not enough, since its
-        ringing to the load is not in the model: then the sensor has no more noise than stated.
+        Its ringing to the load is not in the model: there the stated noise is the most.
         """
-        slow = self.run.sample_time > 0.5 * np.pi / drive.resonance
         model = self.predict(drive).signals
         for name in self.signals:
             if name != self.torque:
                 rest = self.run[name] - model[name]
-                self.noise[name] = min(self.noise[name], self.readings.noise(name, rest))
-                sensor = drive.rig.sensors.get(name)
-                if slow and sensor and sensor.noise_std > 0:
-                    stated = np.hypot(sensor.noise_std, self.readings.step(name))
-                    self.noise[name] = min(self.noise[name], stated)
+                self.noise[name] = min(self.noise[name], self.readings.noise(name, rest),
+                                       self._stated_noise(drive, name))
+
+    def _stated_noise(self, drive: Drive, name: str) -> float:
+        """
+        Return the most noise (SI) that a sensor of the rig may have in a slow record.
+
+        Below four samples in a period of the hydraulic resonance its ringing looks like noise.
+        """
+        sensor = drive.rig.sensors.get(name)
+        if self.run.sample_time <= 0.5 * np.pi / drive.resonance or not (
+                sensor and sensor.noise_std > 0):
+            return np.inf
+        return float(np.hypot(sensor.noise_std, self.readings.step(name)))
 
     @property
     def at_rest(self) -> np.ndarray:
@@ -297,8 +307,8 @@ class Replay:
         ----------
         drive : Drive
             The model.
-        extra : ndarray, shape (n,), optional
-            Torque added to the load, N.m.
+        extra : ndarray, optional
+            Torque added to the load, N.m, at all steps: those between the rows, too.
         commands : mapping of str to ndarray, optional
             Commands in place of the recorded ones, V.
 
@@ -308,12 +318,12 @@ class Replay:
             disturbance = self._disturbance(drive, load)
         else:
             disturbance = self.disturbance(drive)
-        total = disturbance if extra is None else disturbance + extra
-        signals = self._simulate(drive, total, commands)
+        signals = self._simulate(drive, disturbance, commands, extra)
         if self.can_correct:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
             if drive.has_flexible_shaft:
-                load = load + self._behind_shaft(drive, signals, total)
+                added = 0.0 if extra is None else self._between.at_rows(extra)
+                load = load + self._behind_shaft(drive, signals, disturbance + added)
             at_rest = self.at_rest
             signals[self.torque] = np.where(at_rest, signals[self.torque], load)
         read = {name: self.readings.as_read(name, signals[name]) for name in self.signals}
@@ -321,13 +331,23 @@ class Replay:
             read[self.torque] = np.where(at_rest, self._measured, read[self.torque])
         return Prediction(read, disturbance)
 
+    def _finely(self) -> Smoother:
+        """Return a smoother of the load at all steps: rock moves between rows as well."""
+        steps = self._between.steps
+        if steps == 1:
+            return self._smoother
+        time = self._between.finer(self.run.time)
+        known = np.zeros(len(time), dtype=bool)
+        known[::steps] = np.isfinite(self.run[self.torque])
+        return Smoother(time, self.roughness, known)
+
     def shaken(self, drive: Drive, seed: int,
                count: np.ndarray | None) -> Iterator[dict[str, float]]:
         """Yield squared errors, by signal, from draws of the load that smoothing misses."""
         base = self.predict(drive).signals
-        random = np.random.default_rng(seed)
+        random, smoother = np.random.default_rng(seed), self._finely()
         for _ in range(DRAWS):
-            moved = self.predict(drive, self._smoother.draw_error(random)).signals
+            moved = self.predict(drive, smoother.draw_error(random)).signals
             part = slice(None) if count is None else count
             yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / DRAWS
                    for name in self.signals if name != self.torque}
