@@ -71,7 +71,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
     """
     if isinstance(search.campaign, PartCampaign) or not best.names and not left:
         return None
-    if not left and len(best.names) == 1 and not _strained(search, best.fit):
+    if not left and len(best.names) == 1 and not strained(search, best.fit):
         return None
     causes = [*_misread(search, best), *_mistaken(search)]
     with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
@@ -95,12 +95,12 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str])
     if left:
         return sure(search, best, alone) is not None and not much_left(search, best, alone)
     if len(best.names) == 1:
-        return (score(search.campaign, alone) < best.score and not _strained(search, alone)
+        return (score(search.campaign, alone) < best.score and not strained(search, alone)
                 and not search.unexplained(best._replace(fit=alone)))
     return as_much(search, best, alone)
 
 
-def _strained(search: Search, fitted: Fit) -> bool:
+def strained(search: Search, fitted: Fit) -> bool:
     """Say whether the unit is as far off its datasheet as its tolerances let it."""
     return any(at_limit(search.campaign, key, value)
                for key, value in fitted.model.factors.items())

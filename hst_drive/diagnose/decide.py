@@ -9,7 +9,7 @@ from typing import Callable, Sequence
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.alternatives import alternatives, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.causes import one_cause
+from hst_drive.diagnose.causes import one_cause, strained
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
@@ -32,6 +32,7 @@ from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
+_LIKELIER = 5.0         # natural logarithm of how much likelier an effect makes what was measured
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
@@ -80,10 +81,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     better = strangers(search, best)
     best = without(search, best, better)
     left = search.unexplained(best)
-    more = more or (None if better else beside(search, best, left))
-    doubt = bool(more or better)
     if left and best.names and not _carries(search, best):
         best = search.baseline
+        left = search.unexplained(best)
+    more = more or (None if better else beside(search, best, left))
+    doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
                       if entry.unknown), None)
@@ -118,7 +120,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
-            limits(verdict, [entry.quantity for entry in moved if entry.at_limit]),
+            limits(verdict, [entry.quantity for entry in moved if entry.at_limit],
+                   _likely(search) if verdict == 'none' else ''),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
@@ -203,6 +206,12 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
         mean = (sum(value**2 for value in ratios.values()) / max(len(ratios), 1))**0.5
         entries.append(Ranked(name, mean, 0.5 * (search.baseline.score - candidate.score)))
     return tuple(sorted(entries, key=lambda entry: -entry.evidence))
+
+
+def _likely(search: Search) -> str:
+    """Return the effect with which the unit would be within its tolerances, if one is likelier."""
+    return next((entry.id for entry in _ranking(search) if entry.evidence >= _LIKELIER
+                 and not strained(search, search.single(entry.id).fit)), '')
 
 
 def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> dict[

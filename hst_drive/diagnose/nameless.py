@@ -19,7 +19,7 @@ import numpy as np
 # Standard errors: more than for an effect of the list, since a stranger has a freer form and is
 # judged on what it was fitted to as well.
 _SURE = 5.0
-_REST = 0.1         # of the excess squared error: what a formula in the place of others may leave
+REST = 0.1         # of the excess squared error: what a formula in the place of others may leave
 _DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
 PATIENT = 8             # steps of a fit that gets the same chance as another
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
@@ -42,13 +42,15 @@ class Trial(NamedTuple):
     """
     Something that is not listed: what it is, its fit, and what it would be told as.
 
-    ``freer`` is the formula that carries it, if one does.
+    ``freer`` is the formula that carries it, if one does; ``late`` says that it is a sensor that
+    reads late.
     """
 
     what: str
     fit: Fit
     unknown: Unknown | None
     freer: Freer | None = None
+    late: bool = False
 
 
 def faint(model: Model, freer: Freer) -> Model:
@@ -104,13 +106,13 @@ def as_much(search: Search, best: Candidate, trial: Fit) -> bool:
                 or search.agreed(alone, best))
 
 
-def much_left(search: Search, best: Candidate, fitted: Fit) -> bool:
+def much_left(search: Search, best: Candidate, fitted: Fit, rest: float = REST) -> bool:
     """Say whether a trial leaves more than formulas are off machines."""
     if not search.unexplained(best._replace(fit=fitted)):
         return False
     before, after = (excess(search.campaign.ratios(entry.errors, True))
                      for entry in (best.fit, fitted))
-    return after > _REST * before
+    return after > rest * before
 
 
 def share_of(beaten: tuple[str, float]) -> str:

@@ -22,6 +22,7 @@ from hst_drive.diagnose.phases import in_step
 from hst_drive.diagnose.shapes import settled, shapes_of
 from hst_drive.diagnose.starts import starts
 from hst_drive.effects import catalogue
+import numpy as np
 
 MOST_EFFECTS = 3
 _BEAM = 2
@@ -150,6 +151,10 @@ class Search:
         on the logs that were fitted will do, as it does for ``worthwhile``.
         """
         held_out, fitted = self.gain(before, after), self.gain(before, after, False)
+        lent = self._lent(before, after)
+        if lent and not any(found.share[name] >= PRACTICAL and found.amount[name] >= lent[name]
+                            for found in (held_out, fitted) for name in found.share):
+            return False
         done = self.done(before)
         form = NEAR_NOISE * FORM_SHARE
         if self._on_fitted(before, held_out, fitted, form):
@@ -159,6 +164,23 @@ class Search:
             and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
             and held_out.amount[name] >= (form * done[name])**2
             for name in held_out.share if name in fitted.share)
+
+    def _lent(self, before: Candidate, after: Candidate) -> dict[str, float]:
+        """
+        Return what the load's roughness makes of each signal's error, in squared floors.
+
+        Empty but where only the second has a flexible shaft: the load behind that is found with
+        the measured speed, and follows rough rock better whether there is such a shaft or not.
+        """
+        flexible = [any(catalogue(everything=True)[name].slot == 'shaft_compliance'
+                        for name in entry.names) for entry in (before, after)]
+        if flexible != [False, True]:
+            return {}
+        shares: dict[str, list[float]] = {}
+        for column in self.campaign.columns:
+            noise = self.campaign.replays[column.log].noise[column.signal]
+            shares.setdefault(column.signal, []).append(1.0 - (noise * column.scale)**2)
+        return {name: float(np.mean(values)) for name, values in shares.items()}
 
     def done(self, candidate: Candidate) -> dict[str, float]:
         """Return what the candidate's effects do to each signal, rms in floors."""

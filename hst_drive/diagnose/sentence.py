@@ -39,8 +39,12 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
 
 
-def limits(verdict: str, quantities: Sequence[str]) -> str:
-    """Tell which of the unit's quantities sit at their limits; '' if none does."""
+def limits(verdict: str, quantities: Sequence[str], likely: str = '') -> str:
+    """
+    Tell which of the unit's quantities sit at their limits; '' if none does.
+
+    ``likely`` is an effect with which none would.
+    """
     if not quantities:
         return ''
     if len(quantities) == 1:
@@ -50,8 +54,10 @@ def limits(verdict: str, quantities: Sequence[str]) -> str:
                      'their tolerances'), 'them'
     if verdict == 'unknown':
         return f'Of the unit {sit}.'
-    also = ', too small to tell' if verdict == 'none' else ' as well'
-    return f'But {sit}: what acts like {like} may be missing{also}.'
+    if verdict != 'none':
+        return f'But {sit}: what acts like {like} may be missing as well.'
+    first = f', {likely} first of all' if likely else ''
+    return f'But {sit}: what acts like {like} may be missing{first}; these logs cannot tell.'
 
 
 def times(ratio: float) -> str:

@@ -18,7 +18,7 @@ from hst_drive.diagnose.answers import (
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.nameless import (
-    as_much, beaten, fitted_freer, Freer, much_left, share_of, sure, told_as, Trial)
+    as_much, beaten, fitted_freer, Freer, much_left, REST, share_of, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
@@ -29,6 +29,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the answer and the unit in turn
+_REST_OF_LATE = 0.25    # of the excess squared error: rough rock is not read back from a late torque
 _WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 # Slot of an effect: what is tried in its place.
 _FREER = {
@@ -42,10 +43,15 @@ _FREER = {
 }
 # In the place of several effects that pressure shows: together they imitate much.
 _SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
-_OF_WARMTH = Freer('a torque that goes with the oil temperature alone', 'formula_torque',
-                   ((), ('warmth',), ('warmth', 'warmth')),
-                   Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
-                           'torque of the hydromotor [N.m]', (), 0.0))
+_OF_WARMTH = (
+    Freer('a torque that goes with the oil temperature alone', 'formula_torque',
+          ((), ('warmth',), ('warmth', 'warmth')),
+          Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
+                  'torque of the hydromotor [N.m]', (), 0.0)),
+    Freer('a reading of load torque that goes with the oil temperature', 'formula_torque_reading',
+          ((), ('warmth',), ('torque', 'warmth')),
+          Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]', (),
+                  0.0)))
 # The same beside all that was found: rough rock hides what comes back with each turn.
 _BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
                 (('torque', 'cosine'), ('torque', 'sine')))
@@ -88,7 +94,7 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
 
 
 def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
-    """Return the effects in whose common place a torque of the oil's temperature fits better."""
+    """Return the effects in whose common place what goes with the oil's warmth fits better."""
     names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
     if len(names) < 2 or not _WARMED_UP <= np.ptp(np.concatenate(
             [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
@@ -96,9 +102,11 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     model = best.fit.model
     for name in names:
         model = model.without(name)
-    trial = fitted_freer(search.campaign, model, _OF_WARMTH)
-    if not trial:
+    trials = [trial for freer in _OF_WARMTH if freer.unknown.signal in search.campaign.signals
+              for trial in [fitted_freer(search.campaign, model, freer)] if trial]
+    if not trials:
         return {}
+    trial = min(trials, key=lambda item: score(search.campaign, item.fit))
     gained = sure(search, best, trial.fit)
     # Of what explains as much one cause is a better answer than several.
     if not gained and (score(search.campaign, trial.fit) >= best.score
@@ -131,16 +139,21 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
     for trial in _beside(search, best, left):
         gained = sure(search, best, trial.fit)
         # Who says better what is left than its place and a formula do explains it.
-        if gained and not (trial.unknown and left and much_left(search, best, trial.fit)):
+        if gained and not (trial.unknown and left and much_left(
+                search, best, trial.fit, _REST_OF_LATE if trial.late else REST)):
             return Stranger(f'{trial.what} leaves {share_of(gained)}', trial.unknown)
     return None
 
 
 def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:
-    late = [reads_late(name) for name in LATE_READINGS if name in left]
-    # A dead time of a few milliseconds may be the logger's.
-    for answer in (ONE_WAY_SLOWER, *([DEAD_TIME, *late] if left else [])):
-        yield _answered(search, best.fit, answer)
+    yield _answered(search, best.fit, ONE_WAY_SLOWER)
+    if left:
+        # A dead time of a few milliseconds may be the logger's.
+        yield _answered(search, best.fit, DEAD_TIME)
+        # The torque's reading goes into the replay: late, it spoils the other signals.
+        for name in LATE_READINGS:
+            if name in left or name == search.campaign.replays[0].torque:
+                yield _answered(search, best.fit, reads_late(name))._replace(late=True)
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.

@@ -87,7 +87,7 @@ _KNOWN: dict[str, frozenset[str]] = {
     'shaft_compliance': frozenset(READABLE),
     'load_torque': frozenset({'load_torque', 'motor_speed', 'motor_angle', 'pprv_command',
                               'oil_temperature', 'pistons'}),
-    'torque_reading': frozenset({'load_torque', 'motor_angle'}),
+    'torque_reading': frozenset({'load_torque', 'motor_angle', 'oil_temperature'}),
     **dict.fromkeys(('pressure_reading', 'flow_reading', 'speed_reading'),
                     _COMMANDS | {'pressure', 'flow', 'load_torque', 'pump_speed'}),
 }

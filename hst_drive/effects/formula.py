@@ -96,12 +96,15 @@ def flow_error(flow, pressure, oil_temperature,
             + coefficient_3 * flow**flow_3 * pressure**pressure_3 * warmth**warmth_3)
 
 
-def torque_error(load_torque,
-                 coefficient_1, torque_1, coefficient_2, torque_2, coefficient_3, torque_3):
-    """Return the sum of three coefficients times powers of the torque."""
+def torque_error(load_torque, oil_temperature,
+                 coefficient_1, torque_1, warmth_1, coefficient_2, torque_2, warmth_2,
+                 coefficient_3, torque_3, warmth_3):
+    """Return the sum of three coefficients times powers of what a torque sensor may depend on."""
     torque = load_torque / TORQUE
-    return (coefficient_1 * torque**torque_1 + coefficient_2 * torque**torque_2
-            + coefficient_3 * torque**torque_3)
+    warmth = (oil_temperature - REFERENCE) / WARMTH
+    return (coefficient_1 * torque**torque_1 * warmth**warmth_1
+            + coefficient_2 * torque**torque_2 * warmth**warmth_2
+            + coefficient_3 * torque**torque_3 * warmth**warmth_3)
 
 
 def speed_error(motor_speed, oil_temperature,
@@ -121,7 +124,8 @@ _LOAD = ('torque', 'speed', 'warmth', 'pprv', 'cosine', 'sine')
 VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_flow': _BALANCE,
              'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE,
              'formula_flow_reading': ('flow', 'pressure', 'warmth'),
-             'formula_torque_reading': ('torque',), 'formula_speed_reading': ('speed', 'warmth')}
+             'formula_torque_reading': ('torque', 'warmth'),
+             'formula_speed_reading': ('speed', 'warmth')}
 
 
 def _swings(values, pistons):

@@ -105,8 +105,9 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angle
             pprv_commands[k], T_PPRV_PRESSURE, cells, layout)
         if k == 0:
             pprv_pressure = target
+        oil_temperature = oil_temperatures[k]
         load_torque = load_model(motor_speeds[k], pprv_pressure, pprv_commands[k],
-                                 oil_temperatures[k], motor_angles[k], p, on, cells, layout)
+                                 oil_temperature, motor_angles[k], p, on, cells, layout)
         load_torque *= smooth_sign(motor_speeds[k])
         torque_reading = load_torque
         # slot torque_reading

@@ -8,7 +8,7 @@ import pytest
 @pytest.mark.parametrize('verdict, quantities, told', [
     ('none', [], ''),
     ('none', ['pump.leakage'], 'But pump.leakage sits at the limit of its tolerance: what acts '
-                               'like it may be missing, too small to tell.'),
+                               'like it may be missing; these logs cannot tell.'),
     ('ambiguous', ['pump.leakage', 'motor.leakage', 'motor.inertia'],
      'But pump.leakage, motor.leakage and motor.inertia sit at the limits of their tolerances: '
      'what acts like them may be missing as well.'),
@@ -16,6 +16,11 @@ import pytest
 ])
 def test_limits_are_told_in_one_sentence(verdict, quantities, told):
     assert limits(verdict, quantities) == told
+
+
+def test_the_likeliest_of_what_is_too_small_to_name_is_told():
+    assert 'may be missing, gearbox_loss first of all; these logs cannot tell.' in limits(
+        'none', ['loading.pump_mechanical_efficiency'], 'gearbox_loss')
 
 
 def test_a_fall_near_the_noise_is_not_rounded_away():
