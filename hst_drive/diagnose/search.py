@@ -32,6 +32,7 @@ _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to
 _NEAR = 1.5         # of the best start's cost
 _NEARLY = 1.2       # of the best set's score
 _ROUNDS = 5
+_NEW_VALLEY = 0.95      # of the score: usual shapes that gain more opened the way for others
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
@@ -194,16 +195,22 @@ class Search:
 
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""
-        refined = candidate
         self.campaign = in_step(self.campaign, candidate.fit.model)
+        refined = self._patient(candidate)
+        usual = settled(self, refined)
+        if usual.score < _NEW_VALLEY * refined.score:
+            usual = min(usual, settled(self, self._patient(usual)), key=lambda item: item.score)
+        self._known[candidate.names] = usual
+        return usual
+
+    def _patient(self, candidate: Candidate) -> Candidate:
         for _ in range(_ROUNDS):
-            before = refined.fit.cost
-            found = fit(self.campaign, refined.fit.model, iterations=3, refresh=True)
-            refined = self.candidate(candidate.names, found)
-            if found.cost > 0.98 * before or not self.unexplained(refined):
+            before = candidate.fit.cost
+            found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
+            candidate = self.candidate(candidate.names, found)
+            if found.cost > 0.98 * before or not self.unexplained(candidate):
                 break
-        self._known[candidate.names] = refined = settled(self, refined)
-        return refined
+        return candidate
 
     def single(self, name: str) -> Candidate:
         """Return the fit with one effect alone."""

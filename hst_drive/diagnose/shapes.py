@@ -27,16 +27,21 @@ def settled(search: Search, best: Candidate) -> Candidate:
     """Give shapes their usual values where the data do not ask for others."""
     kept: set[tuple[str, str]] = set()
     factors = best.fit.jacobian[:, :len(search.campaign.tolerances)]
-    for name, key in sorted(shapes_of(best.names) & {*best.fit.names}):
+    open_ = shapes_of(best.names) & {*best.fit.names}
+    while open_:
+        # One shape may stand for another: first the one that loses least by it.
         model = best.fit.model
-        usual = [search.candidate(best.names, fit(
+        nearest, shape = min(((search.candidate(best.names, fit(
             search.campaign, model.with_effect(name, {**model.effects[name], key: value}),
-            known=factors, kept={*kept, (name, key)}))
-            for value in catalogue(everything=True)[name].parameter(key).usual]
-        nearest = min(usual, key=lambda item: item.score)
-        if nearest.score < best.score:
-            best = nearest
-            kept.add((name, key))
+            known=factors, kept={*kept, (name, key)})), (name, key))
+            for name, key in sorted(open_)
+            for value in catalogue(everything=True)[name].parameter(key).usual),
+            key=lambda item: item[0].score)
+        if nearest.score >= best.score:
+            break
+        best = nearest
+        kept.add(shape)
+        open_.remove(shape)
     if kept:
         found = fit(search.campaign, best.fit.model, iterations=1, refresh=True, kept=kept)
         best = search.candidate(best.names, found)

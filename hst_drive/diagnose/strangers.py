@@ -29,7 +29,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the answer and the unit in turn
-_REST_OF_LATE = 0.25    # of the excess squared error: rough rock is not read back from a late torque
+_REST_OF_LATE = 0.25    # of the excess squared error: rough rock is not read back from a late one
 _WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 # Slot of an effect: what is tried in its place.
 _FREER = {

@@ -22,12 +22,14 @@ def named(campaign, effect):
     return search.refine(search.singles()[0]).fit
 
 
-@pytest.mark.parametrize('form, shape', [('gauss', 2.0), ('exponential', 1.0)])
-def test_a_usual_curve_keeps_its_usual_shape(form, shape):
+@pytest.mark.parametrize('form, shape, tail', [
+    ('gauss', 2.0, 0.0), ('exponential', 1.0, 0.0), ('lorentz', 2.0, 1.0)])
+def test_a_usual_curve_keeps_its_usual_shape(form, shape, tail):
     campaign = Campaign(*as_runs(make_campaign(
         4103, {'stribeck_friction': {'size': 1.0, 'form': form}})))
     fitted = named(campaign, 'stribeck_friction')
-    assert fitted.model.effects['stribeck_friction']['shape'] == shape
+    assert [fitted.model.effects['stribeck_friction'][key] for key in ('shape', 'tail')] == [
+        shape, tail]
     limits = intervals(campaign, fitted)
     assert ('stribeck_friction', 'shape') not in limits
     low, high = limits['stribeck_friction', 'torque']
@@ -35,13 +37,14 @@ def test_a_usual_curve_keeps_its_usual_shape(form, shape):
 
 
 def test_an_unusual_curve_is_told():
-    hidden = {'torque': 25.0, 'speed': 10.0, 'shape': 3.0}
+    hidden = {'torque': 25.0, 'speed': 10.0, 'shape': 3.0, 'tail': 0.0}
     campaign = Campaign(default_rig(), [record(
         seed, effects={'stribeck_friction': hidden}) for seed in (1, 2, 3)])
     fitted = named(campaign, 'stribeck_friction')
     limits = intervals(campaign, fitted)
-    assert all(limits['stribeck_friction', key][0] < value < limits['stribeck_friction', key][1]
-               for key, value in hidden.items())
+    assert fitted.model.effects['stribeck_friction']['tail'] == hidden['tail']
+    assert all(limits['stribeck_friction', key][0] < hidden[key]
+               < limits['stribeck_friction', key][1] for key in ('torque', 'speed', 'shape'))
     # Over the speeds of these logs; how high the curve is at standstill they do not show.
     curve, speeds = catalogue()['stribeck_friction'].function, np.linspace(7.0, 12.0, 6)
     found, expected = ([curve(speed, **values) for speed in speeds] for values in (
