@@ -5,7 +5,8 @@ How sure the fitted sizes are: 95 % intervals that know that errors are correlat
 
 The sandwich estimator over blocks (H. White, Econometrica 50, 1982; blocks of two seconds as
 clusters) replaces the naive covariance, which takes every sample as independent and is far too
-narrow. A share of the effect's own size is added for its functional form.
+narrow. A share of the effect's own size is added for its functional form, and what the unit's
+tables do between their points to what its tolerances leave open.
 """
 from __future__ import annotations
 
@@ -15,6 +16,8 @@ from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
 
+# Of the squared tolerance: a datasheet's tables say nothing of what lies between their points.
+_BETWEEN_POINTS = 1.0
 _FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
 
 
@@ -37,7 +40,7 @@ def intervals(campaign: Campaign, fitted: Fit,
     for rows in _clusters(campaign):
         push = jacobian[rows].T @ residual[rows]
         meat += np.outer(push, push)
-    meat[np.arange(unknowns.factors), np.arange(unknowns.factors)] += 1.0
+    meat[np.arange(unknowns.factors), np.arange(unknowns.factors)] += 1.0 + _BETWEEN_POINTS
     deviation = np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
     vector = unknowns.pack(fitted.model)
     deviation = np.hypot(deviation, _FORM * np.abs(vector) * (

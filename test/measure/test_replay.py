@@ -30,7 +30,7 @@ def ratios(seeds, **settings):
     {'noise': 0.3}, {'noise': 3.0}, {'rate': 50}, {'rate': 500, 'duration': 15.0},
     {'leave_out': ('motor_speed',)}, {'leave_out': ('pump_outlet_pressure',)},
     {'leave_out': ('motor_inlet_flow',)}, {'leave_out': ('oil_temperature',)},
-    {'roughness': 0.0, 'rate': 20},
+    {'roughness': 0.0, 'rate': 20}, {'rate': 20}, {'rate': 20, 'roughness': 3.0},
 ], ids=str)
 def test_a_perfect_model_reaches_the_floor(settings):
     found = ratios(range(20, 26), **settings)
