@@ -218,7 +218,8 @@ def test_parameters_that_are_left_out_are_neutral():
     rig = parse_rig(changed('effects', {'bearing_friction': {'coulomb': 13},
                                         'stribeck_friction': {'torque': '14 N.m'}}))
     assert rig.effects == {'bearing_friction': {'coulomb': 13.0, 'load_share': 0.0},
-                           'stribeck_friction': {'torque': 14.0, 'speed': 4.0, 'shape': 2.0}}
+                           'stribeck_friction': {'torque': 14.0, 'speed': 4.0, 'shape': 2.0,
+                                                 'tail': 0.0}}
     assert Drive(rig).effects == rig.effects
 
 
