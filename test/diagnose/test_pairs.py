@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A friction that falls with speed and a drag that rises, in the place of a constant one."""
 from bench.campaigns import as_runs
+from hst_drive.diagnose.alternatives import plainer
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.search import Search
@@ -33,3 +34,16 @@ def test_two_stand_for_one_only_where_they_are_there(seed, options, hidden, foun
         name for name in CANDIDATES if name != 'back_pressure' or name in hidden))
     alone = search.refine(search.singles()[0])
     assert pair_instead(search, alone).names == found
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('hidden, form, first', [
+    ('bearing_friction', 'tanh', 'bearing_friction'),
+    ('back_pressure', 'flow_dependent', 'back_pressure')])
+def test_of_effects_that_look_alike_the_plainer_comes_first(hidden, form, first):
+    """A return pressure, with more parameters, fits friction as well; but not the reverse."""
+    made = make_campaign(3702040, {hidden: {'size': 1.3, 'form': form}}, **UNIT)
+    search = Search(Campaign(*as_runs(made)), CANDIDATES)
+    best = search.refine(search.single('back_pressure'))
+    assert not search.unexplained(best)
+    assert plainer(search, best).names == (first,)

@@ -22,3 +22,17 @@ def test_smooth_rock_is_no_missing_physics(monkeypatch, seed):
     monkeypatch.setattr(profiles, 'roughness', rock)
     search = Search(Campaign(*as_runs(make_campaign(seed))), ())
     assert search.unexplained(search.baseline) == {}
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('size, least, most', [(5.0, 0.7, 1.0), (0.0, -0.1, 0.3)])
+def test_a_flexible_shaft_is_lent_what_rough_rock_makes(monkeypatch, size, least, most):
+    """Its replay follows the rock by the measured speed: that gain is no sign of a shaft."""
+    def rock(count, random, _):
+        return size * lfilter([0.25], [1.0, -0.97], random.standard_normal(count))
+
+    monkeypatch.setattr(profiles, 'roughness', rock)
+    search = Search(Campaign(*as_runs(make_campaign(51, {}, rate_hz=50.0))), ())
+    lent = search._lent(search.baseline, search.single('shaft_compliance'))
+    assert least < lent['motor_speed'] < most
+    assert search._lent(search.baseline, search.single('pump_lag')) == {}
