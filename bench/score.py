@@ -78,7 +78,7 @@ def report(rows: list[dict]) -> str:
     add('none: false alarm', lambda row: row['verdict'] != 'none', none, 'at most 1 %')
     add('all: confident and wrong', wrong, rows, 'at most 2 %')
     add('pair: exact', lambda row: set(row['found']) == true(row), pair, '90 %')
-    add('pair: exact, or one that looks alike in its place', matched, pair)
+    add('pair: exact, or a look-alike in its place', matched, pair)
     add('pair: both in the reported set', lambda row: true(row) <= named(row), pair)
     add('outside: flagged unknown', lambda row: row['verdict'] == 'unknown', outside, '97 %')
     add('outside: right balance, of those flagged',
