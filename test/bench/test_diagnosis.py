@@ -5,7 +5,7 @@ from test.truth import make_campaign
 
 from bench.campaigns import as_runs, campaign, SEEDS, Task, tasks
 from bench.diagnosis import judge, told
-from bench.score import named, report, wilson
+from bench.score import matched, named, report, wilson
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.measure.oscillation import shaking
 import pytest
@@ -89,6 +89,16 @@ def test_the_table_counts_them(rows):
     assert 'single: first name right                    100.0 % (43.9 to 100.0)  3 ' in text
     assert 'none: false alarm                           0.0 % (0.0 to 79.3)' in text
     assert all(told(entry).startswith('ok') for entry in rows)
+
+
+@pytest.mark.parametrize('found, rivals, right', [
+    (['bearing_friction', 'pump_lag'], [['back_pressure'], []], True),
+    (['pump_lag', 'back_pressure'], [[], []], True),
+    (['bearing_friction'], [['back_pressure', 'pump_lag']], False),
+    (['pump_lag', 'bearing_friction'], [['back_pressure'], []], False)])
+def test_a_look_alike_counts_in_the_place_of_one_effect(found, rivals, right):
+    hidden = {'back_pressure': 1.0, 'pump_lag': 1.0}
+    assert matched({'found': found, 'rivals': rivals, 'effects': hidden}) is right
 
 
 def test_interval_of_a_share():
