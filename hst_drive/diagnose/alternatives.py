@@ -75,13 +75,19 @@ def plainer(search: Search, best: Candidate) -> Candidate:
              if entry in search.candidates and entry not in best.names
              and len(catalogue()[entry].parameters) < len(catalogue()[name].parameters)],
             'trying rivals', again=True)]
-        as_good = [rival for rival in rivals if all(
-            gain.share[signal] < _AS_GOOD or gain.sigma[signal] < BEATEN_SIGMA
-            for held_out in (True, False)
-            for gain in [search.gain(rival, best, held_out)] for signal in gain.share)]
+        as_good = [rival for rival in rivals if _leaves_as_little(search, best, rival)]
         if as_good:
             return min(as_good, key=lambda rival: rival.score)
     return best
+
+
+def _leaves_as_little(search: Search, best: Candidate, rival: Candidate) -> bool:
+    for held_out in (True, False):
+        gain = search.gain(rival, best, held_out)
+        if any(share >= _AS_GOOD and gain.sigma[name] >= BEATEN_SIGMA
+               for name, share in gain.share.items()):
+            return False
+    return True
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:

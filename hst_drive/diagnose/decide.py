@@ -105,6 +105,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
+    ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
@@ -121,16 +122,16 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
             limits(verdict, [entry.quantity for entry in moved if entry.at_limit],
-                   _likely(search) if verdict == 'none' else ''),
+                   _likely(search, ranking) if verdict == 'none' else ''),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
-        effects=effects, ranking=_ranking(search), ladder=ladder, not_observable=hidden,
+        effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
         calibration=moved, unknown=remaining,
         next_test=_next_test(search, best, rivals) if ambiguous else None,
-        rivals={**_why_lost(search, best, rivals),
+        rivals={**_why_lost(search, best, rivals, ranking),
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
         logs=tuple(run.source for run in (*runs, *holdout)),
@@ -208,20 +209,20 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
     return tuple(sorted(entries, key=lambda entry: -entry.evidence))
 
 
-def _likely(search: Search) -> str:
+def _likely(search: Search, ranking: Sequence[Ranked]) -> str:
     """Return the effect with which the unit would be within its tolerances, if one is likelier."""
-    return next((entry.id for entry in _ranking(search) if entry.evidence >= _LIKELIER
+    return next((entry.id for entry in ranking if entry.evidence >= _LIKELIER
                  and not strained(search, search.single(entry.id).fit)), '')
 
 
-def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> dict[
-        str, str]:
+def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]],
+              ranking: Sequence[Ranked]) -> dict[str, str]:
     """Say of the nearest candidates why they are not the answer."""
     if not best.names:
         return {}
     standing = {entry for group in rivals.values() for entry in group}
     told: dict[str, str] = {}
-    for entry in _ranking(search)[:6]:
+    for entry in ranking[:6]:
         if entry.id in best.names or entry.id in standing:
             continue
         candidate = search.single(entry.id)

@@ -42,15 +42,13 @@ class Trial(NamedTuple):
     """
     Something that is not listed: what it is, its fit, and what it would be told as.
 
-    ``freer`` is the formula that carries it, if one does; ``late`` says that it is a sensor that
-    reads late.
+    ``freer`` is the formula that carries it, if one does.
     """
 
     what: str
     fit: Fit
     unknown: Unknown | None
     freer: Freer | None = None
-    late: bool = False
 
 
 def faint(model: Model, freer: Freer) -> Model:

@@ -30,13 +30,13 @@ def settled(search: Search, best: Candidate) -> Candidate:
     open_ = shapes_of(best.names) & {*best.fit.names}
     while open_:
         # One shape may stand for another: first the one that loses least by it.
-        model = best.fit.model
-        nearest, shape = min(((search.candidate(best.names, fit(
-            search.campaign, model.with_effect(name, {**model.effects[name], key: value}),
-            known=factors, kept={*kept, (name, key)})), (name, key))
-            for name, key in sorted(open_)
-            for value in catalogue(everything=True)[name].parameter(key).usual),
-            key=lambda item: item[0].score)
+        model, trials = best.fit.model, []
+        for name, key in sorted(open_):
+            for value in catalogue(everything=True)[name].parameter(key).usual:
+                usual = model.with_effect(name, {**model.effects[name], key: value})
+                found = fit(search.campaign, usual, known=factors, kept={*kept, (name, key)})
+                trials.append((search.candidate(best.names, found), (name, key)))
+        nearest, shape = min(trials, key=lambda item: item[0].score)
         if nearest.score >= best.score:
             break
         best = nearest

@@ -138,10 +138,11 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
         return None
     for trial in _beside(search, best, left):
         gained = sure(search, best, trial.fit)
+        told = trial.unknown
         # Who says better what is left than its place and a formula do explains it.
-        if gained and not (trial.unknown and left and much_left(
-                search, best, trial.fit, _REST_OF_LATE if trial.late else REST)):
-            return Stranger(f'{trial.what} leaves {share_of(gained)}', trial.unknown)
+        rest = _REST_OF_LATE if told and told.enters == 'sensor' else REST
+        if gained and not (told and left and much_left(search, best, trial.fit, rest)):
+            return Stranger(f'{trial.what} leaves {share_of(gained)}', told)
     return None
 
 
@@ -153,7 +154,7 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
         # The torque's reading goes into the replay: late, it spoils the other signals.
         for name in LATE_READINGS:
             if name in left or name == search.campaign.replays[0].torque:
-                yield _answered(search, best.fit, reads_late(name))._replace(late=True)
+                yield _answered(search, best.fit, reads_late(name))
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.

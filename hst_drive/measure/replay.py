@@ -220,7 +220,7 @@ class Replay:
         """
         Let the model take the motion away that a slow record cannot tell from noise.
 
-        Its ringing to the load is not in the model: there the stated noise is the most.
+        The drive's ringing to the load is not in the model: there the stated noise is the most.
         """
         model = self.predict(drive).signals
         for name in self.signals:
