@@ -67,8 +67,10 @@ def run(args: argparse.Namespace) -> int:
             raise InputError(f'{rig.source or rig.name}: is not the rig that was diagnosed '
                              f"({diagnosis.get('rig')}); give that one with --rig")
     if rivals is None:
-        print(f"{args.diagnosis}: the verdict is '{diagnosis.get('verdict')}' and nothing in it "
-              'is ambiguous: there is nothing to separate (--effects A,B asks for two)')
+        said = (diagnosis.get('next_test') or {}).get('what') or \
+            'nothing in it is ambiguous: there is nothing to separate'
+        print(f"{args.diagnosis}: the verdict is '{diagnosis.get('verdict')}'; {said} "
+              '(--effects A,B asks for a test that tells two apart)')
         return 0
     limits(rig)
     models = matched(rig, rivals)

@@ -7,9 +7,9 @@ import math
 from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
-from hst_drive.diagnose.alternatives import alternatives, plainer
+from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.causes import one_cause, strained
+from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
@@ -19,10 +19,10 @@ from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.result import (
-    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Value)
+    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.sentence import limits, sentence, times
+from hst_drive.diagnose.sentence import limits, listed, sentence, times
 from hst_drive.diagnose.strangers import beside, strangers, without
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
@@ -32,7 +32,9 @@ from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
-_LIKELIER = 5.0         # natural logarithm of how much likelier an effect makes what was measured
+# Natural logarithm of how much likelier an effect must make the logs to stand beside a unit at its
+# limits: errors count as independent after 0.1 s, those of the torque are alike for 0.5 s.
+_LIKELIER = 25.0
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
@@ -97,8 +99,13 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
+    instead = [] if best.names or left or remaining or doubt else _instead_of_limits(search)
+    limited = _at_limits(campaign, best.fit)
+    if instead:
+        best = search.refine(instead[0])
     order = _order(search, best)
-    rivals = {name: alternatives(search, best, name) for name in order}
+    rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)} \
+        if instead else {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
     found = intervals(campaign, best.fit) if best.names else {}
     effects = tuple(Found(
@@ -117,12 +124,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([] if odd is None else [
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            sentence(verdict, effects, ladder, remaining).strip(),
+            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited).strip(),
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
-            limits(verdict, [entry.quantity for entry in moved if entry.at_limit],
-                   _likely(search, ranking) if verdict == 'none' else ''),
+            '' if instead else limits(verdict, limited),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
@@ -130,7 +136,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
         calibration=moved, unknown=remaining,
-        next_test=_next_test(search, best, rivals) if ambiguous else None,
+        next_test=_measure(search, best, limited) if instead else
+        _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
@@ -209,10 +216,24 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
     return tuple(sorted(entries, key=lambda entry: -entry.evidence))
 
 
-def _likely(search: Search, ranking: Sequence[Ranked]) -> str:
-    """Return the effect with which the unit would be within its tolerances, if one is likelier."""
-    return next((entry.id for entry in ranking if entry.evidence >= _LIKELIER
-                 and not strained(search, search.single(entry.id).fit)), '')
+def _instead_of_limits(search: Search) -> list[Candidate]:
+    """
+    Return effects that take quantities of the unit off their limits and are far likelier.
+
+    The best comes first, then what is nearly as likely. Where a prior without limits would let the
+    unit imitate an effect, a limit may hide that effect as well.
+    """
+    limited = set(_at_limits(search.campaign, search.base))
+    if not limited:
+        return []
+    found = [entry for entry in search.singles()
+             if search.baseline.score - entry.score >= 2 * _LIKELIER
+             and set(_at_limits(search.campaign, entry.fit)) < limited]
+    return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
+
+
+def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:
+    return [entry.quantity for entry in _calibration(campaign, fitted) if entry.at_limit]
 
 
 def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]],
@@ -243,6 +264,14 @@ def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
         (Calibrated(key, math.exp(value), value / campaign.tolerances[key],
                     at_limit(campaign, key, value))
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
+
+
+def _measure(search: Search, best: Candidate, limited: Sequence[str]) -> NextTest:
+    """Return what separates an effect from a unit at its limits: a datasheet that is sharper."""
+    return NextTest((*best.names, UNIT_ALONE),
+                    f'measure {listed(limited)} of this unit by itself and write the number and '
+                    'how well it is known into the rig file; or record it when it was healthy',
+                    tuple(dict(entry.fit.model.effects) for entry in (best, search.baseline)))
 
 
 def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> NextTest:

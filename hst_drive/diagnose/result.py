@@ -10,6 +10,8 @@ from hst_drive.effects import Parameter
 from hst_drive.errors import InputError
 
 SCHEMA = 'hst_drive/diagnosis/1'
+# Among what is indistinguishable from an effect: none, but a unit at the limits of its tolerances.
+UNIT_ALONE = 'none'
 
 
 class Value(NamedTuple):
@@ -35,7 +37,8 @@ class Found(NamedTuple):
     An effect that the model lacks.
 
     ``error_removed`` is the share of the held-out squared error above the noise that this step
-    removed; ``indistinguishable_from`` are effects that explain these logs as well.
+    removed; ``indistinguishable_from`` are effects that explain these logs as well, and
+    ``UNIT_ALONE`` if the unit does.
     """
 
     id: str

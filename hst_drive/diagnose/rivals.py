@@ -10,7 +10,7 @@ from typing import Iterable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.rehearse import rehearse
-from hst_drive.diagnose.result import require_schema
+from hst_drive.diagnose.result import require_schema, UNIT_ALONE
 from hst_drive.diagnose.separation import (
     CLEAR, driver, recorded, Rehearsal, within_limits)
 from hst_drive.diagnose.trials import plain_drilling, scenario
@@ -102,7 +102,8 @@ def of_diagnosis(diagnosis: dict, source: str,
         effects = {entry['id']: {key: float(value['value'])
                                  for key, value in entry['parameters'].items()}
                    for entry in diagnosis['effects']}
-        groups = {entry['id']: tuple(entry.get('indistinguishable_from', ()))
+        groups = {entry['id']: tuple(name for name in entry.get('indistinguishable_from', ())
+                                     if name != UNIT_ALONE)
                   for entry in diagnosis['effects']}
         fitted = [Model(dict(entry), factors)
                   for entry in (diagnosis.get('next_test') or {}).get('models', ())]

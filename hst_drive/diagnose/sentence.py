@@ -6,14 +6,20 @@ from __future__ import annotations
 from typing import Mapping, Sequence
 
 from hst_drive.diagnose.judge import CLEAN_FITTED
-from hst_drive.diagnose.result import Found, Step, Unknown
+from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
 from hst_drive.measure.run import CHANNELS
 
 
 def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
-             remaining: Unknown | None) -> str:
-    """Return what is missing and how far the error falls with it, in words."""
+             remaining: Unknown | None, hidden: Sequence[str] = (),
+             limited: Sequence[str] = ()) -> str:
+    """
+    Return what is missing and how far the error falls with it, in words.
+
+    ``hidden`` are the effects that the logs could not have shown, ``limited`` the quantities that
+    sit at the limits of their tolerances in the unit without effects.
+    """
     first, last = ladder[1].holdout, ladder[-1].holdout
     signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
         max(first, key=first.get, default='')
@@ -27,8 +33,9 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
              f'{times(last[signal])} times the noise.')
     if verdict == 'none':
-        return ('Nothing is missing: the model, calibrated within the tolerances, explains these '
-                f'logs down to the noise (worst held-out: {title}, {first[signal]:.2f} times).')
+        return _nothing(first, signal, hidden)
+    if any(UNIT_ALONE in entry.indistinguishable_from for entry in effects):
+        return _or_the_unit(effects[0], limited)
     if verdict in ('missing_effect', 'ambiguous'):
         return f'The model lacks {lacks}. {falls}{_stays(last)}'
     place = ''
@@ -39,25 +46,42 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
 
 
-def limits(verdict: str, quantities: Sequence[str], likely: str = '') -> str:
-    """
-    Tell which of the unit's quantities sit at their limits; '' if none does.
+def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str]) -> str:
+    """Say of what nothing is missing: of what these logs could have shown."""
+    untold = f'; they could not have shown {listed(hidden)}' if hidden else ''
+    return ('Nothing larger than the sizes below is missing in the balances of '
+            f'{listed([CHANNELS[name].title for name in ratios])} that these logs close{untold}: '
+            'the model, calibrated within the tolerances, explains them down to the noise (worst '
+            f'held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
 
-    ``likely`` is an effect with which none would.
-    """
+
+def _or_the_unit(found: Found, limited: Sequence[str]) -> str:
+    """Say that the unit is at its limits, or an effect is missing."""
+    others = [name for name in found.indistinguishable_from if name != UNIT_ALONE]
+    names = ' or '.join([f'{found.id} ({catalogue()[found.id].title})', *others])
+    return (f'Either this unit is as far off its datasheet as its tolerances let it '
+            f'({listed(limited)}), or the model lacks {names}, which is far likelier by these '
+            'tolerances: both explain these logs down to the noise.')
+
+
+def listed(names: Sequence[str]) -> str:
+    """Write names with commas and an 'and'."""
+    return ' and '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
+
+
+def limits(verdict: str, quantities: Sequence[str]) -> str:
+    """Tell which of the unit's quantities sit at their limits; '' if none does."""
     if not quantities:
         return ''
     if len(quantities) == 1:
         sit, like = f'{quantities[0]} sits at the limit of its tolerance', 'it'
     else:
-        sit, like = (f'{", ".join(quantities[:-1])} and {quantities[-1]} sit at the limits of '
-                     'their tolerances'), 'them'
+        sit, like = f'{listed(quantities)} sit at the limits of their tolerances', 'them'
     if verdict == 'unknown':
         return f'Of the unit {sit}.'
     if verdict != 'none':
         return f'But {sit}: what acts like {like} may be missing as well.'
-    first = f', {likely} first of all' if likely else ''
-    return f'But {sit}: what acts like {like} may be missing{first}; these logs cannot tell.'
+    return f'But {sit}: what acts like {like} may be missing; these logs cannot tell.'
 
 
 def times(ratio: float) -> str:

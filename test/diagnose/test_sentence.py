@@ -18,10 +18,5 @@ def test_limits_are_told_in_one_sentence(verdict, quantities, told):
     assert limits(verdict, quantities) == told
 
 
-def test_the_likeliest_of_what_is_too_small_to_name_is_told():
-    assert 'may be missing, gearbox_loss first of all; these logs cannot tell.' in limits(
-        'none', ['loading.pump_mechanical_efficiency'], 'gearbox_loss')
-
-
 def test_a_fall_near_the_noise_is_not_rounded_away():
     assert (times(1.04), times(1.0), times(15.82)) == ('1.04', '1.00', '15.8')

@@ -1,0 +1,44 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What a *none* is worth: units at their limits, and balances that the logs do not close."""
+import json
+
+from bench.campaigns import as_runs
+from hst_drive.cli import main
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.document import as_json
+import pytest
+
+from ..truth import make_campaign
+from ..truth.sensors import STANDARD
+
+pytestmark = pytest.mark.needs_numba
+
+
+def test_a_unit_at_its_limits_hides_no_effect_that_is_far_likelier(tmp_path, capsys):
+    """A gear that loses 3 % and a constant share; two tolerances take it up."""
+    made = make_campaign(777000, {'gearbox_loss': 0.5}, temperature='steady', on_datasheet=False)
+    rig, runs, held = as_runs(made)
+    found = diagnose(rig, runs, held)
+    assert found.verdict == 'ambiguous'
+    effect, = found.effects
+    assert effect.id == 'gearbox_loss' and 'none' in effect.indistinguishable_from
+    hidden = 'loading.pump_mechanical_efficiency'
+    assert hidden in found.sentence.split(', or the model')[0]
+    assert found.next_test.separates == ('gearbox_loss', 'none')
+    path = tmp_path / 'd.json'
+    path.write_text(json.dumps(as_json(found)))
+    assert main(['design', str(path), '-o', str(tmp_path / 's.yaml')]) == 0
+    assert f'{hidden} of this unit by itself' in capsys.readouterr().out
+
+
+def test_none_tells_first_what_it_could_not_have_seen():
+    channels = tuple(name for name in STANDARD if name != 'load_torque')
+    rig, runs, held = as_runs(make_campaign(45, {}, channels=channels))
+    found = diagnose(rig, runs, held)
+    assert found.verdict == 'none'
+    first = found.sentence.partition(': the model')[0]
+    assert first.startswith('Nothing larger than the sizes below is missing in the balances of ')
+    assert 'load torque' not in first and 'that these logs close' in first
+    assert 'torque_sensor_scale' in found.not_observable
+    assert all(name in first for name in found.not_observable)
