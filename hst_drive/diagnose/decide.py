@@ -35,6 +35,7 @@ import numpy as np
 # Natural logarithm of how much likelier an effect must make the logs to stand beside a unit at its
 # limits: errors count as independent after 0.1 s, those of the torque are alike for 0.5 s.
 _LIKELIER = 25.0
+_WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
@@ -228,8 +229,16 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
         return []
     found = [entry for entry in search.singles()
              if search.baseline.score - entry.score >= 2 * _LIKELIER
-             and set(_at_limits(search.campaign, entry.fit)) < limited]
+             and set(_at_limits(search.campaign, entry.fit)) < limited
+             and _size(entry) >= _WORTH]
     return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
+
+
+def _size(single: Candidate) -> float:
+    """Return the size of a single effect over its typical one."""
+    name, = single.names
+    size = catalogue()[name].parameters[0]
+    return abs(single.fit.model.effects[name][size.name] / size.typical)
 
 
 def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:
