@@ -18,6 +18,7 @@ import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
 _BLOCK = 50
+_SPAN, _FEWEST = 1.0, 10    # s and samples: a block of increments; a step of the load spoils few
 _CLEARLY = 0.5      # of the misfit of one pole: below, two poles fit better than by chance
 
 
@@ -112,7 +113,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     lags = lags[lags < len(values) // 8]
     if len(lags) < 3:
         return Coloured(0.0, 0.3, noise)
-    growth, size = [], max(100, round(1.0 / step))
+    growth, size = [], max(round(_SPAN / step), _FEWEST)
     for lag in lags:
         squares = (values[lag:] - values[:-lag])**2
         squares = squares[np.isfinite(squares)]

@@ -54,6 +54,19 @@ def test_roughness_and_noise_are_told_apart(rate, std, constant):
     assert noise == pytest.approx(0.5, abs=0.05 + 0.6 * std * np.sqrt(2 / rate / constant) / 5)
 
 
+@pytest.mark.parametrize('rate', [20, 25, 50, 100, 200, 500])
+def test_steps_of_the_load_are_no_roughness_at_any_rate(rate):
+    """A step of the load each five seconds, and the same rock in between."""
+    n, found = 60 * rate, []
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        steps = 60.0 * random.standard_normal(13)[np.arange(n) // (5 * rate)]
+        values = (coloured(random, n, 1 / rate, 3.0, 0.3) + steps
+                  + 0.5 * random.standard_normal(n))
+        found.append(estimate_coloured(np.arange(n) / rate, values, noise_std(values)).std)
+    assert np.mean(found) == pytest.approx(3.0, rel=0.25)
+
+
 def test_noise_that_smooth_rock_hides():
     """Two poles have no increments at short lags, where one pole would leave no noise."""
     random, rate = np.random.default_rng(3), 100
