@@ -88,7 +88,7 @@ class Campaign:
         self.drive = self._model()
         self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
-        if self._slow():
+        if self.slow():
             self.events = _SLOW_EVENTS
         self.usable = [self._usable(replay) for replay in self.replays]
         self.floors = [self._floor(*entry) for entry in zip(self.replays, self.usable)]
@@ -158,9 +158,10 @@ class Campaign:
                     variance += span * 2 * share**2 * 2 * replay.roughness.time_constant
         chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
         # What a slow record does not show of commands and load shakes the replay, too.
-        return chance + (_SLOW_SCATTER if self._slow() else 0.0)
+        return chance + (_SLOW_SCATTER if self.slow() else 0.0)
 
-    def _slow(self) -> bool:
+    def slow(self) -> bool:
+        """Say whether rows come so seldom that what the controller did is not known well."""
         return any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
 
     @staticmethod

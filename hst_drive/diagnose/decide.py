@@ -13,7 +13,7 @@ from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import CLEAN_FITTED, excess
+from hst_drive.diagnose.judge import CLEAN_FITTED, excess, SIGNIFICANT
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
@@ -225,12 +225,13 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
     unit imitate an effect, a limit may hide that effect as well.
     """
     limited = set(_at_limits(search.campaign, search.base))
-    if not limited:
-        return []
+    if not limited or search.campaign.slow():
+        return []       # of slow records the floors are not known so well
     found = [entry for entry in search.singles()
              if search.baseline.score - entry.score >= 2 * _LIKELIER
              and set(_at_limits(search.campaign, entry.fit)) < limited
-             and _size(entry) >= _WORTH]
+             and _size(entry) >= _WORTH
+             and max(search.gain(search.baseline, entry, False).sigma.values()) >= SIGNIFICANT]
     return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
 
 
