@@ -22,7 +22,7 @@ from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, RegisterEventHandler, Shutdown
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessExit
-from launch.substitutions import LaunchConfiguration, PythonExpression
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
@@ -44,8 +44,6 @@ def generate_launch_description():
     namespace = LaunchConfiguration('namespace')
     common = {'lockstep': ParameterValue(LaunchConfiguration('lockstep'), value_type=bool),
               'partners': list(NODES)}
-    way = PythonExpression(["'--managed' if '", LaunchConfiguration('managed'),
-                            "' == 'true' else '--plain'"])
     remappings = [('/clock', LaunchConfiguration('clock')),
                   ('/diagnostics', LaunchConfiguration('diagnostics'))]
     nodes = {}
@@ -56,7 +54,8 @@ def generate_launch_description():
             own['rig'] = ParameterValue(LaunchConfiguration('rig'), value_type=str)
         nodes[name] = Node(
             package='hst_drive', executable=name, namespace=namespace, output='screen',
-            parameters=[LaunchConfiguration('config'), common, own], arguments=[way],
+            parameters=[LaunchConfiguration('config'), common, own],
+            arguments=['--managed', LaunchConfiguration('managed')],
             remappings=remappings, sigterm_timeout='15')
     manager = Node(package='hst_drive', executable='manager', namespace=namespace,
                    output='screen', parameters=[{'nodes': [*reversed(NODES)]}],
@@ -68,7 +67,7 @@ def generate_launch_description():
         DeclareLaunchArgument('namespace', default_value='drive', description='of all topics'),
         DeclareLaunchArgument('lockstep', default_value='true',
                               description='simulated time; false: the clock on the wall'),
-        DeclareLaunchArgument('managed', default_value='false',
+        DeclareLaunchArgument('managed', default_value='false', choices=['true', 'false'],
                               description='lifecycle nodes with a manager'),
         DeclareLaunchArgument('clock', default_value='/clock', description='name of that topic'),
         DeclareLaunchArgument('diagnostics', default_value='/diagnostics',

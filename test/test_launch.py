@@ -1,19 +1,29 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The launch file, where ROS 2's launch is installed (it does not come from PyPI)."""
-from importlib.util import module_from_spec, spec_from_file_location
+"""The launch file: with ROS 2's launch where it is installed, else with a stand-in of it."""
+from contextlib import ExitStack
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+import signal
+import subprocess
+import sys
 
+from hst_drive.nodes.wiring import NODES
 from hst_drive.resources import share
 import pytest
+from rosbags.rosbag2 import Reader
 import yaml
 
-launch = pytest.importorskip('launch')
-pytest.importorskip('launch_ros')
+from . import launch_stand_in
+from .nodes.processes import environment, PATIENCE
+
+REAL = bool(find_spec('launch') and find_spec('launch_ros'))
 
 
-@pytest.fixture(scope='module')
-def file():
+@pytest.fixture
+def file(monkeypatch):
     """Return the launch file as a module."""
+    if not REAL:
+        launch_stand_in.install(monkeypatch)
     spec = spec_from_file_location('drive_launch', share('launch', 'drive.launch.py'))
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -31,14 +41,56 @@ def test_every_argument_is_a_parameter_of_its_node(file):
 
 def test_it_declares_its_arguments_and_starts_all_nodes(file):
     """Each node is watched: when one ends, all do."""
-    from hst_drive.nodes.wiring import NODES
-    from launch.actions import DeclareLaunchArgument, RegisterEventHandler
-    from launch_ros.actions import Node
-
     found = file.generate_launch_description().entities
-    assert {entity.name for entity in found if isinstance(entity, DeclareLaunchArgument)} == {
+    kinds = [type(entity).__name__ for entity in found]
+    assert {entity.name for entity in found
+            if type(entity).__name__ == 'DeclareLaunchArgument'} == {
         *file.ARGUMENTS, 'config', 'rig', 'namespace', 'lockstep', 'managed', 'clock',
         'diagnostics'}
-    assert [entity.node_executable for entity in found if isinstance(entity, Node)] == [
+    assert [entity.node_executable for entity in found if type(entity).__name__ == 'Node'] == [
         *NODES, 'manager']
-    assert sum(isinstance(entity, RegisterEventHandler) for entity in found) == len(NODES)
+    assert kinds.count('RegisterEventHandler') == len(NODES)
+
+
+def _bag_has_readings(bag, seconds):
+    with Reader(bag) as reader:
+        counts = {entry.topic: entry.msgcount for entry in reader.connections}
+    assert counts['/drive/motor'] >= 99 * seconds
+    assert counts['/drive/pump_command'] >= 99 * seconds
+
+
+@pytest.mark.skipif(REAL, reason='the real one is there')
+@pytest.mark.parametrize('managed', ['false', 'true'])
+def test_the_nodes_run_with_what_launch_gives_them(file, managed, tmp_path):
+    """Each a process, as launch starts it; it ends the others when the plant is done."""
+    bag = tmp_path / 'bag'
+    started = launch_stand_in.commands(
+        file.generate_launch_description(),
+        {'duration': '4.0', 'output': str(bag), 'managed': managed}, tmp_path)
+    assert ('manager' in started) == (managed == 'true')
+    with ExitStack() as stack:
+        running = {}
+        for name, arguments in started.items():
+            running[name] = process = subprocess.Popen(
+                [sys.executable, '-m', f'hst_drive.nodes.{name}', *arguments],
+                env=environment(), text=True, stderr=subprocess.PIPE)
+            stack.callback(process.kill)
+        running['plant'].wait(PATIENCE)
+        for process in running.values():
+            process.send_signal(signal.SIGINT)
+        for name, process in running.items():
+            _, said = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 0, f'{name}: {said}'
+    _bag_has_readings(bag, 4)
+
+
+@pytest.mark.skipif(not REAL, reason="needs ROS 2's launch")
+def test_launch_leaves_a_bag(file, tmp_path):
+    from launch import LaunchService
+
+    bag = tmp_path / 'bag'
+    service = LaunchService()
+    service.context.launch_configurations.update(duration='4.0', output=str(bag))
+    service.include_launch_description(file.generate_launch_description())
+    assert service.run() == 0
+    _bag_has_readings(bag, 4)

@@ -3,6 +3,7 @@
 """What all nodes share: parameters, endpoints, readiness, the spin loop, a clean end."""
 from __future__ import annotations
 
+import argparse
 from collections.abc import Callable
 import gc
 import os
@@ -201,14 +202,24 @@ def cannot_start(text: str) -> str:
     return f'RCLError: {reason}: {advice}'
 
 
-def _is_managed(args: list[str]) -> bool:
+def _is_managed(args: list[str], node_class: type[DriveNode]) -> bool:
     """Return whether the node waits for transitions; refuse other arguments than ROS's."""
-    own = remove_ros_args(args)[1:]
-    unknown = [arg for arg in own if arg != '--managed']
+    parser = argparse.ArgumentParser(
+        prog=f'ros2 run hst_drive {node_class.role}', allow_abbrev=False, exit_on_error=False,
+        description=(node_class.__doc__ or '').strip(),
+        epilog='Parameters: --ros-args -p NAME:=VALUE; config/drive.yaml lists them with their '
+               "units, 'ros2 param describe' says what each means.")
+    parser.add_argument('--managed', nargs='?', const='true', default='false',
+                        choices=('true', 'false'),
+                        help='a lifecycle node: it waits to be configured and activated')
+    try:
+        found, unknown = parser.parse_known_args(remove_ros_args(args)[1:])
+    except argparse.ArgumentError as error:
+        raise InputError(str(error)) from None
     if unknown:
         raise InputError(f"unknown argument '{unknown[0]}'; a node takes --managed, and its "
                          'parameters as --ros-args -p NAME:=VALUE')
-    return bool(own)
+    return found.managed == 'true'
 
 
 def _work(executor, node: DriveNode, signals: list[int]) -> None:
@@ -261,7 +272,7 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         # Said of a node that could not start, before the reason itself.
         warnings.filterwarnings('ignore', 'Failed to fini', RuntimeWarning)
-        if _is_managed(sys.argv if args is None else args):
+        if _is_managed(sys.argv if args is None else args, node_class):
             from hst_drive.nodes.lifecycle import managed
             node = managed(node_class)()
         else:
