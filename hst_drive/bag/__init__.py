@@ -3,13 +3,11 @@
 """
 Recordings on disk: CSV files, rosbag2 folders and MCAP files; all of it works without ROS.
 
-What handles MCAP is imported on use: ROS 2 for Ubuntu 24.04 has no package of the ``mcap``
-library, and the nodes and CSV files do without it.
+What handles bags is imported on use (``packages``).
 """
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib import import_module
 import os
 from pathlib import Path
 
@@ -17,6 +15,7 @@ from hst_drive.bag.channels import ChannelMap, load_channel_map
 from hst_drive.bag.csv_log import read_csv, write_csv
 from hst_drive.bag.csv_sections import csv_sections, Section
 from hst_drive.bag.kinds import is_mcap
+from hst_drive.bag.packages import on_use
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
@@ -30,13 +29,7 @@ _ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
 def __getattr__(name: str):
     if name not in _ON_USE:
         raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    try:
-        return getattr(import_module(f'{__name__}.{_ON_USE[name]}'), name)
-    except ModuleNotFoundError as error:
-        if error.name.partition('.')[0] not in ('mcap', 'lz4', 'zstandard'):
-            raise
-        raise InputError(f"the Python package '{error.name}' is missing; bags need it: 'pip "
-                         "install mcap' (CSV logs work without)") from None
+    return getattr(on_use(f'{__name__}.{_ON_USE[name]}'), name)
 
 
 def read_log(path: str | os.PathLike[str],

@@ -4,20 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-import os
 from pathlib import Path
 import struct
 from typing import BinaryIO, NamedTuple
 
-from hst_drive.bag.kinds import is_mcap, MCAP_MAGIC as MAGIC
-from hst_drive.bag.mcap_records import Collector, DAMAGE, MESSAGE, records, Stream
+from hst_drive.bag.kinds import is_finished, is_mcap
+from hst_drive.bag.mcap_records import Collector, DAMAGE, MESSAGE, records
+from hst_drive.bag.stream import BLOCK, Stream
 from hst_drive.errors import InputError
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.summary import Summary
-
-BLOCK = 20_000      # messages at a time
 
 
 class Extent(NamedTuple):
@@ -25,14 +23,6 @@ class Extent(NamedTuple):
 
     messages: int
     seconds: float
-
-
-def is_finished(path: Path) -> bool:
-    """Tell whether a file ends as a finished MCAP file does."""
-    size = os.path.getsize(path)
-    with open(path, 'rb') as file:
-        file.seek(max(size - len(MAGIC), 0))
-        return size >= 2 * len(MAGIC) and file.read() == MAGIC
 
 
 def read_streams(path: Path, wanted: Callable[[str], bool]) -> Iterator[list[Stream]]:

@@ -9,7 +9,6 @@ file be read up to the byte where it was cut. Format: mcap.dev/spec.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
 from io import BytesIO
 import os
 import struct
@@ -17,6 +16,7 @@ from typing import BinaryIO
 import zlib
 
 from hst_drive.bag.kinds import MCAP_MAGIC as MAGIC
+from hst_drive.bag.stream import Stream
 import lz4.frame
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -37,40 +37,6 @@ class DamagedError(Exception):
 
 DAMAGE = (DamagedError, McapError, struct.error, UnicodeDecodeError, MemoryError, OverflowError,
           OSError)      # what spoilt bytes may lead to
-
-
-@dataclass
-class Stream:
-    """
-    The messages of one topic: bytes, receive and publish times (ns), as they were written.
-
-    ``order`` counts through all topics that are read. Where a bag comes in blocks those of the
-    last block; ``count`` is how many came so far.
-    """
-
-    topic: str
-    type: str
-    definition: str
-    schema_encoding: str
-    encoding: str
-    metadata: dict[str, str]
-    data: list[bytes] = field(default_factory=list)
-    log_time: list[int] = field(default_factory=list)
-    publish_time: list[int] = field(default_factory=list)
-    order: list[int] = field(default_factory=list)
-    count: int = 0
-
-    def extend(self, other: Stream) -> None:
-        """Add the messages of another part of the bag."""
-        self.data += other.data
-        self.log_time += other.log_time
-        self.publish_time += other.publish_time
-        self.order += other.order
-        self.count += len(other.data)
-
-    def emptied(self) -> Stream:
-        """Return the same without the messages; the count stays."""
-        return replace(self, data=[], log_time=[], publish_time=[], order=[])
 
 
 def records(file: BinaryIO, offsets: list[int] | None, partial: bool = False,

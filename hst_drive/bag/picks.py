@@ -11,7 +11,7 @@ from typing import NamedTuple
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.channels import ChannelMap, Entry
 from hst_drive.bag.diagnostic_values import known, parse_path
-from hst_drive.bag.mcap_records import Stream
+from hst_drive.bag.stream import Stream
 from hst_drive.bag.topic_numbers import TopicNumbers
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, Field, STANDARD_UNITS, Topic, TOPICS, TRUTH
 from hst_drive.errors import InputError

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from hst_drive.bag.kinds import by_number, is_mcap
 from hst_drive.bag.mcap_bag import salvage_streams
-from hst_drive.bag.mcap_records import Stream
+from hst_drive.bag.stream import Stream
 from hst_drive.bag.writer import BagWriter
 from hst_drive.errors import InputError
 import yaml

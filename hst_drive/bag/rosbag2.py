@@ -11,12 +11,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.kinds import by_number, is_mcap
-from hst_drive.bag.mcap_bag import BLOCK, cut_error, is_finished, read_streams
-from hst_drive.bag.mcap_records import Stream
+from hst_drive.bag.kinds import by_number, is_finished, is_mcap
+from hst_drive.bag.packages import on_use
+from hst_drive.bag.stream import BLOCK, Stream
 from hst_drive.errors import InputError
 import yaml
-import zstandard
 
 _TOP = 'rosbag2_bagfile_information'
 
@@ -87,9 +86,10 @@ def bag_blocks(path: Path, wanted: Callable[[str], bool],
 def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> Iterator[list[Stream]]:
     if file.suffix == '.db3':
         return _read_sqlite(file, wanted)
+    mcap_bag = on_use('hst_drive.bag.mcap_bag')
     if is_mcap(file) and not is_finished(file):
-        raise cut_error(file, path)
-    return read_streams(file, wanted)
+        raise mcap_bag.cut_error(file, path)
+    return mcap_bag.read_streams(file, wanted)
 
 
 def _read_metadata(metadata: Path) -> dict[str, Any]:
@@ -125,6 +125,7 @@ def _unpacked(file: Path) -> Iterator[Path]:
     if file.suffix != '.zstd':
         yield file
         return
+    zstandard = on_use('zstandard')
     with TemporaryDirectory(prefix='hst_drive_') as folder:
         copy = Path(folder) / file.stem
         try:
@@ -140,6 +141,7 @@ def _unpacked(file: Path) -> Iterator[Path]:
 
 def _unpack_messages(streams: Iterable[Stream], path: Path) -> None:
     """Unpack messages that are compressed one by one."""
+    zstandard = on_use('zstandard')
     unpack = zstandard.ZstdDecompressor().decompressobj
     try:
         for stream in streams:

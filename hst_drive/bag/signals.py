@@ -10,9 +10,9 @@ from typing import NamedTuple
 from hst_drive.bag.align import align, alternates, Signal
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.clock import set_forward_again
-from hst_drive.bag.mcap_records import Stream
 from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond
 from hst_drive.bag.rosbag2 import bag_blocks
+from hst_drive.bag.stream import Stream
 from hst_drive.bag.topic_numbers import TopicNumbers
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, first_of_several, TOPICS
 from hst_drive.errors import InputError

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.column import Column
 from hst_drive.bag.diagnostic_values import read_values
-from hst_drive.bag.mcap_records import Stream
+from hst_drive.bag.stream import Stream
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY
 from hst_drive.errors import InputError
 import numpy as np
