@@ -23,6 +23,7 @@ _SHORTEST = 1e-4        # s: no logger of a drive is faster
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word
+_LONGEST_HOLE = 3600.0  # s that a replay bridges: beyond, these are two recordings
 _APART = 5.0            # two signals differ by so many times what each changes by
 
 
@@ -76,7 +77,7 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
         kept[channel] = values
     notes += [f'{", ".join(names)}: {missing} of {len(time)} samples missing'
               for missing, names in holes.items()]
-    notes += _interruptions(time)
+    notes += _interruptions(time, source)
     sensors, faults = without_faults(time, {channel: values for channel, values in kept.items()
                                             if CHANNELS[channel].hold == 'linear'})
     kept.update(sensors)
@@ -86,13 +87,17 @@ def finish_run(name: str, time: np.ndarray, channels: Mapping[str, np.ndarray], 
     return Run(name, time, kept, source, tuple(notes))
 
 
-def _interruptions(time: np.ndarray) -> list[str]:
-    """Return a note if there are holes in the recording itself."""
+def _interruptions(time: np.ndarray, source: str) -> list[str]:
+    """Return a note if there are holes in the recording itself; refuse one that is too long."""
     steps = np.diff(time)
     holes = np.flatnonzero(steps > _HOLE_PERIODS * np.median(steps))
     if not len(holes):
         return []
     longest = holes[np.argmax(steps[holes])]
+    if steps[longest] > _LONGEST_HOLE:
+        raise InputError(f'{source}: no samples for {steps[longest]:.3g} s after '
+                         f'{time[longest]:g} s; expected at most {_LONGEST_HOLE:g} s: mend the '
+                         'time stamps, or give what lies before and after as logs of their own')
     return [f'no samples for {steps[longest]:.3g} s after {time[longest]:g} s'
             + (f' and in {len(holes) - 1} more places' if len(holes) > 1 else '')
             + '; the replay bridges it with the last commands']

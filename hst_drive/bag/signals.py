@@ -226,6 +226,10 @@ def signals_of(topic: TopicNumbers, wanted: Sequence[Pick], stamps: np.ndarray,
 
 def _common_clock(topics: Sequence[TopicNumbers], notes: list[str]) -> list[_Clocked]:
     """Return the topics on one clock: the messages' own stamps, or the times of publishing."""
+    for topic in topics:
+        if topic.stamped and (unset := int(topic.unset.sum())):
+            notes.append(f'{topic.topic}: {unset} messages with stamp 0, which is none; the times '
+                         'of publishing are used for them')
     clocks = [_Clock.of(topic) for topic in topics]
     _out_of_step([topic.topic for topic in topics], clocks, notes)
     if all(clock.usable for clock in clocks) and _overlap(clocks):

@@ -15,6 +15,8 @@ import numpy as np
 
 _SEC, _NANOSEC = 'header.stamp.sec', 'header.stamp.nanosec'
 _FIRST = 200
+_UNSET = 1_000_000_000
+"""A stamp of 0 is none where the first other one is later than this (ns)."""
 _PUBLISHED = 'published'
 _ORDER = 'order'
 
@@ -92,8 +94,27 @@ class TopicNumbers:
 
     @property
     def stamps(self) -> np.ndarray | None:
-        """The messages' own times, ns; None if they carry none."""
-        return self._columns[_SEC].whole() if self.stamped else None
+        """The messages' own times, ns, as publishing tells where one is unset; None: no times."""
+        if not self.stamped:
+            return None
+        stamps = self._columns[_SEC].whole()
+        unset = self.unset
+        if unset.any():
+            # As late after its publishing as the messages around it.
+            published = self.published
+            age = np.interp(published[unset], published[~unset],
+                            (published - stamps)[~unset].astype(float))
+            stamps = stamps.copy()
+            stamps[unset] = published[unset] - age.astype(np.int64)
+        return stamps
+
+    @property
+    def unset(self) -> np.ndarray:
+        """Which messages carry the stamp 0 though others do not: nobody has set it."""
+        stamps = self._columns[_SEC].whole()
+        zero = stamps == 0
+        others = stamps[~zero]
+        return zero & (len(others) > 0 and others.min() > _UNSET)
 
     @property
     def published(self) -> np.ndarray:

@@ -17,7 +17,7 @@ from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.measure.useful import refuse_still
+from hst_drive.measure.useful import missing_rows, refuse_starved, refuse_still
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
@@ -106,7 +106,8 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
     Raises
     ------
     InputError
-        If a recording lacks the channels that a replay needs, or none of its readings changes.
+        If a recording lacks the channels that a replay needs or most of a command, or none of its
+        readings changes.
 
     """
     logs, variables = [], []
@@ -114,6 +115,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
                          'out')
     for run in runs:
+        refuse_starved(run.source, missing_rows(run), len(run))
         log = compare_log(drive, run, closed_loop=closed_loop, all_seconds=all_seconds)
         logs.append(log)
         variables.append(operating_variables(log.run))

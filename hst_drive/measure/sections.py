@@ -9,6 +9,7 @@ and pooled as those of several logs are. Regions of the error are found in a par
 """
 from __future__ import annotations
 
+from collections import Counter
 from typing import Iterable, NamedTuple
 
 from hst_drive.errors import InputError
@@ -16,6 +17,7 @@ from hst_drive.measure.compare import compare_log, Comparison, LogComparison, Se
 from hst_drive.measure.judged import Judged, Span
 from hst_drive.measure.moments import Moments
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.useful import missing_rows, refuse_starved
 from hst_drive.measure.where import operating_variables, where
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
@@ -68,6 +70,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
     delays: dict[str, list[float]] = {}
     spans: list[Span] = []
     kept: dict[str, float] = {}
+    missing: Counter[str] = Counter()
     shifts, notes = [], []
     count = samples = 0
     stride = 1
@@ -76,6 +79,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
         log = compare_log(drive, run, all_seconds=all_seconds)
         own = (run.time >= start) & (run.time < end)
         rows = int(own.sum())
+        missing.update(missing_rows(run, own))
         for signal, entry in log.signals.items():
             sums.setdefault(signal, Moments()).add(
                 log.model[signal][own], log.measured(signal)[own], entry.noise_std, entry.floor)
@@ -96,6 +100,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
         progress(float(run.time[-1]) if np.isinf(end) else end)
     if not count:
         raise InputError(f'{source}: holds no section with enough rows to compare')
+    refuse_starved(source, missing, samples)
     return _result(drive, name, source, sums, parts, Sections(
         count, seconds, BEFORE, AFTER, samples, sample_time), {
             signal: float(np.median(values)) for signal, values in delays.items()},

@@ -3,7 +3,7 @@
 """Recordings that tell nothing: readings that stand still, a drive at rest, rows too far apart."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Mapping, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
@@ -15,6 +15,7 @@ import numpy as np
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
 _TURNS = 0.1        # rad/s: about 1 rpm, several times what a speed sensor scatters
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
+_STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
 
 
 def refuse_still(run: Run) -> None:
@@ -35,6 +36,29 @@ def refuse_still(run: Run) -> None:
                          'measured: check the sensors and the logger, or leave this log out')
 
 
+def missing_rows(run: Run, rows: np.ndarray | slice = slice(None)) -> dict[str, int]:
+    """Return in how many rows each command that a replay follows is missing."""
+    return {name: int(np.count_nonzero(~np.isfinite(run[name][rows])))
+            for name in run.channels if CHANNELS[name].hold == 'zero'}
+
+
+def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
+    """
+    Check that a recording holds the better part of each command.
+
+    Raises
+    ------
+    InputError
+        Otherwise.
+
+    """
+    for name, count in missing.items():
+        if count > _STARVED * rows:
+            raise InputError(f'{source}: {name} is missing in {count} of {rows} rows; expected it '
+                             f'in at least {100 * (1 - _STARVED):.0f} %: check its stamps, its '
+                             'column or its topic, or give the part of the log that has it')
+
+
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     """
     Check that recordings can show what a drive lacks.
@@ -42,12 +66,13 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     Raises
     ------
     InputError
-        If no reading of a recording changes (``refuse_still``), if rows are too far apart for a
-        drive's motion, or if the drive turns in no recording.
+        If no reading of a recording changes (``refuse_still``), if most of a command is missing,
+        if rows are too far apart for a drive's motion, or if the drive turns in no recording.
 
     """
     for run in runs:
         refuse_still(run)
+        refuse_starved(run.source, missing_rows(run), len(run))
         # A part of the drive is judged row by row, without its motion.
         if run.sample_time > _SLOWEST and not is_part(run, rig):
             raise InputError(

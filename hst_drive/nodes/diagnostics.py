@@ -9,7 +9,7 @@ from typing import Any
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
-from hst_drive.nodes.endpoints import BILLION, message_class, qos_profile
+from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_profile
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
@@ -28,11 +28,14 @@ class Diagnostics:
         self._codec = Codec(self.topic.type, find_definition(self.topic.type))
         self.publisher = node.create_publisher(
             message_class(self.topic.type), self.topic.name, qos_profile(self.topic.qos))
+        self._log = node.get_logger()
         self.published = 0
 
     def publish(self, stamp: int, name: str, level: int, message: str,
                 values: Mapping[str, Any]) -> None:
         """Publish one status that was true at ``stamp``, ns."""
+        if not has_time(stamp, self._log):
+            return
         seconds, nanoseconds = divmod(stamp, BILLION)
         self.publisher.publish(self._codec.encode({
             'header': {'stamp': {'sec': seconds, 'nanosec': nanoseconds},

@@ -73,6 +73,14 @@ def stamp_of(data: bytes) -> int:
     return seconds * BILLION + nanoseconds
 
 
+def has_time(stamp: int, log) -> bool:
+    """Say whether there is a time to stamp a message with; tell if not."""
+    if stamp <= 0:
+        log.warning('there is no time yet: use_sim_time is set and nobody publishes /clock; '
+                    'nothing is published until then', throttle_duration_sec=5.0)
+    return stamp > 0
+
+
 def _scale(field: Field) -> tuple[float, float, float]:
     """
     Return factor, offset, shift of a field: ``channel = message * factor + offset + shift``.
@@ -138,6 +146,7 @@ class Output:
 
     def __init__(self, node, topic: Topic, variance: float = 0.0):
         self.topic = topic
+        self._log = node.get_logger()
         paths = [field.path for field in topic.fields]
         template = {'header': {'frame_id': topic.frame}}
         if topic.type == JOINT_STATE:
@@ -158,6 +167,8 @@ class Output:
 
     def publish(self, stamp: int, *values: float) -> None:
         """Publish values (SI, in the order of the table's fields) that were true at stamp, ns."""
+        if not has_time(stamp, self._log):
+            return
         data = self._data
         _STAMP.pack_into(data, _STAMP_AT, *divmod(stamp, BILLION))
         for (pack_into, at, factor, offset, shift), value in zip(self._fields, values):
