@@ -20,6 +20,7 @@ from typing import Callable, Container, Iterator, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_limit, Fit, fit, score
+from hst_drive.diagnose.limits import limited, relieves
 from hst_drive.diagnose.nameless import (
     as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
@@ -44,15 +45,22 @@ _READINGS = {
 _NUMBERS = {'motor.displacement': 'flow', 'motor.inertia': 'torque', 'line.bulk_modulus': 'flow',
             'pump.displacement_vs_command': 'pump_actuator', 'loading.pprv_pressure': 'load',
             'loading.pprv_lag': 'load', 'loading.pprv_override': 'load'}
+# Numbers that act as their ratio: what is below for one may be above for the other.
+_OR_ELSE = {'line.bulk_modulus': 'line.volume'}
 
 
 class _Cause(NamedTuple):
-    """Where the fit of a cause starts, in which campaign, and the Jacobian of the unit there."""
+    """
+    Where the fit of a cause starts, in which campaign, and the unit's Jacobian if it holds.
+
+    ``frees`` is the number of the datasheet that may be off by more than its tolerance.
+    """
 
     campaign: Campaign
     start: Model
-    known: np.ndarray
+    known: np.ndarray | None
     told: Callable[[Fit], Trial]
+    frees: str = ''
 
 
 def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:
@@ -69,20 +77,22 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
         Signals that it leaves unexplained.
 
     """
-    if isinstance(search.campaign, PartCampaign) or not best.names and not left:
+    strained = limited(search.campaign, best.fit)
+    if isinstance(search.campaign, PartCampaign) or not left and len(
+            best.names) < 2 and not strained:
         return None
-    if not left and len(best.names) == 1 and not strained(search, best.fit):
-        return None
-    causes = [*_misread(search, best), *_mistaken(search)]
+    # Beside a unit at its limits that explains all, only what would take it off one.
+    causes = [*_misread(search, best), *_mistaken(search)] if best.names or left else [
+        cause for cause in _mistaken(search) if cause.frees in strained]
     with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
         fits = list(pool.map(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
                                                iterations=PATIENT), causes))
     near = sorted(zip(causes, fits), key=lambda pair: score(search.campaign, pair[1]))
     for cause, found in near[:_NEAREST]:
         found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
-        if _explains(search, best, found, left):
+        if _explains(search, best, found, left, cause.campaign):
             trial = cause.told(found)
-            said = 'more' if left else (
+            said = 'more' if left or not best.names else (
                 f"as much as {' and '.join(best.names)} together" if len(best.names) > 1 else
                 f'more than {best.names[0]}')
             return Stranger(f'{trial.what} alone explains {said}',
@@ -90,20 +100,19 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
     return None
 
 
-def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str]) -> bool:
-    """Say whether a cause alone is the better answer."""
+def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
+              freed: Campaign) -> bool:
+    """Say whether a cause alone is the better answer; ``freed`` has the tolerances beside it."""
     if left:
         return sure(search, best, alone) is not None and not much_left(search, best, alone)
+    other = Candidate((), alone, search.score(alone))
+    if not best.names:
+        return relieves(search, other, freed)
     if len(best.names) == 1:
-        return (score(search.campaign, alone) < best.score and not strained(search, alone)
-                and not search.unexplained(best._replace(fit=alone)))
+        return (other.score < best.score
+                and limited(freed, alone) < limited(search.campaign, best.fit)
+                and not search.unexplained(other))
     return as_much(search, best, alone)
-
-
-def strained(search: Search, fitted: Fit) -> bool:
-    """Say whether the unit is as far off its datasheet as its tolerances let it."""
-    return any(at_limit(search.campaign, key, value)
-               for key, value in fitted.model.factors.items())
 
 
 def misreadings(campaign: Campaign) -> Iterator[Freer]:
@@ -134,17 +143,27 @@ def _mistaken(search: Search) -> Iterator[_Cause]:
             continue
         campaign = copy.copy(search.campaign)
         campaign.tolerances = {**campaign.tolerances, key: _WIDER * tolerance}
-        known = search.factors.copy()
+        known, start = search.factors.copy(), Model()
         known[:, place] *= _WIDER
-        yield _Cause(campaign, Model(), known,
+        if at_limit(search.campaign, key, search.base.model.factors[key]):
+            # It wants to go on from there, and what it does changes on the way.
+            known, start = None, search.base.model
+        yield _Cause(campaign, start, known,
                      lambda found, key=key, tolerance=tolerance: _off(
-                         search, key, found, abs(found.model.factors[key]) / tolerance))
+                         search, key, found, abs(found.model.factors[key]) / tolerance),
+                     key)
 
 
 def _off(search: Search, key: str, found: Fit, many: float) -> Trial:
     """Return what a wrong number of the datasheet would be told as."""
-    share = np.expm1(found.model.factors[key])
-    what = (f"a {key} {100 * abs(share):.1f} % {'above' if share > 0 else 'below'} the "
-            f"datasheet's ({many:.0f} times its tolerance)")
+    def said(name: str, change: float) -> str:
+        share = np.expm1(change)
+        side = 'above' if share > 0 else 'below'
+        return f"a {name} {100 * abs(share):.1f} % {side} the datasheet's"
+
+    change = found.model.factors[key]
+    what = f'{said(key, change)} ({many:.0f} times its tolerance)'
+    if key in _OR_ELSE:
+        what += f', or {said(_OR_ELSE[key], -change)},'
     return Trial(what, found, Unknown(
         _NUMBERS[key], search.campaign.signals[0], (), what, (), 0.0))

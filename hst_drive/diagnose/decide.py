@@ -13,7 +13,8 @@ from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import CLEAN_FITTED, excess, SIGNIFICANT
+from hst_drive.diagnose.judge import CLEAN_FITTED, excess
+from hst_drive.diagnose.limits import relieves
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
@@ -32,9 +33,6 @@ from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
-# Natural logarithm of how much likelier an effect must make the logs to stand beside a unit at its
-# limits: errors count as independent after 0.1 s, those of the torque are alike for 0.5 s.
-_LIKELIER = 25.0
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
@@ -224,14 +222,10 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
     The best comes first, then what is nearly as likely. Where a prior without limits would let the
     unit imitate an effect, a limit may hide that effect as well.
     """
-    limited = set(_at_limits(search.campaign, search.base))
-    if not limited or search.campaign.slow():
+    if search.campaign.slow():
         return []       # of slow records the floors are not known so well
     found = [entry for entry in search.singles()
-             if search.baseline.score - entry.score >= 2 * _LIKELIER
-             and set(_at_limits(search.campaign, entry.fit)) < limited
-             and _size(entry) >= _WORTH
-             and max(search.gain(search.baseline, entry, False).sigma.values()) >= SIGNIFICANT]
+             if relieves(search, entry) and _size(entry) >= _WORTH]
     return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
 
 

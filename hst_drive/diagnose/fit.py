@@ -24,6 +24,7 @@ _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
 _FITS = 0.1     # squared error over the floor's
+_END = 0.8 * SIGMAS     # tolerances: near the end of what a factor may be
 _HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
@@ -165,12 +166,39 @@ def calibrated(campaign: Campaign) -> Fit:
     the effects. What comes back is no event, but physics that shows only there.
     """
     plain = fit(campaign, Model(), iterations=5, refresh=True)
-    if excess(campaign.ratios(plain.errors, False)) < _FITS:
+    if _fits(campaign, plain):
         return plain
+    plain = _deepest(campaign, plain)
     trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
-    alone = (excess(campaign.ratios(trimmed.errors, False)) < _FITS
-             and _is_one_event(campaign, trimmed))
-    return trimmed if alone else plain
+    return trimmed if _fits(campaign, trimmed) and _is_one_event(campaign, trimmed) else plain
+
+
+def _fits(campaign: Campaign, fitted: Fit) -> bool:
+    return excess(campaign.ratios(fitted.errors, False)) < _FITS
+
+
+def _deepest(campaign: Campaign, plain: Fit) -> Fit:
+    """
+    Return the fit of the unit in the deepest valley.
+
+    The drive rings, and a fit may end a period of the ringing off. Then the model is better, if
+    all else stays, where one factor has the other end of its tolerance: from there it goes on.
+    """
+    unknowns = Unknowns(campaign, plain.model)
+    vector = unknowns.pack(plain.model)
+
+    def at(place: int, end: float) -> tuple[float, Model]:
+        moved = vector.copy()
+        moved[place] = _END * end
+        model = unknowns.unpack(moved)
+        return cost_of(campaign, unknowns, moved, campaign.errors(model, to_fit=True)), model
+
+    cost, start = min((at(place, end) for place in range(len(vector)) for end in (-1.0, 1.0)),
+                      key=lambda item: item[0])
+    if cost >= plain.cost:
+        return plain
+    return min(plain, fit(campaign, start, iterations=5, refresh=True),
+               key=lambda item: item.cost)
 
 
 def _is_one_event(campaign: Campaign, fitted: Fit) -> bool:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One cause that is not listed: a sensor wrong in zero or span, a datasheet, one recording."""
 from dataclasses import replace
+import re
 
 from bench.campaigns import as_runs
 from hst_drive.diagnose.decide import diagnose
@@ -41,6 +42,24 @@ def test_a_wrong_number_of_the_datasheet_is_told(healthy):
     assert found.verdict == 'unknown' and not found.effects
     assert 'a motor.displacement' in found.unknown.expression
     assert 'below' in found.unknown.expression
+
+
+@pytest.mark.parametrize('part, number, factor, name, share, side', [
+    ('line', 'volume', 1.6, 'line.volume', 60.0, 'above'),
+    ('line', 'volume', 1.6, 'line.bulk_modulus', 37.5, 'below'),
+    ('line', 'volume', 0.65, 'line.volume', 35.0, 'below'),
+    ('motor', 'inertia', 1.5, 'motor.inertia', 50.0, 'above')])
+def test_a_wrong_number_that_moves_the_resonance_is_told(healthy, part, number, factor, name,
+                                                         share, side):
+    """Far beyond the tolerance of the make; volume and bulk modulus act as their ratio."""
+    rig, runs, held = healthy
+    section = getattr(rig, part)
+    wrong = replace(section, **{number: getattr(section, number) / factor})
+    found = diagnose(replace(rig, **{part: wrong}), runs, held)
+    assert found.verdict == 'unknown' and not found.effects
+    told = re.search(f'{name} ([0-9.]+) % {side} the datasheet', found.unknown.expression)
+    # The unit itself is off by up to a tenth there.
+    assert told and abs(float(told[1]) - share) < 0.1 * share
 
 
 def test_a_recording_unlike_the_others_is_named(healthy):
