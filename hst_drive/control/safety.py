@@ -17,6 +17,7 @@ from typing import NamedTuple
 FAULTS = {
     'emergency_stop': 'emergency stop',
     'feedback_lost': 'no usable speed reading',
+    'feedback_joint': 'it is not clear which joint of the message to read',
     'feedback_not_finite': 'the speed reading is not a number',
     'feedback_out_of_range': 'the speed reading is outside its range',
     'feedback_jumps': 'the speed reading jumps faster than the drive can',
@@ -135,7 +136,8 @@ class Supervisor:
             return STOPPING if self.command > 0.0 else STOPPED
         return WAITING if any(self.missing) else RUNNING
 
-    def feedback(self, now: float, stamp: float, value: float, clock: float | None = None) -> bool:
+    def feedback(self, now: float, stamp: float, value: float, clock: float | None = None,
+                 refused: str = '') -> bool:
         """
         Judge a speed reading and return whether it may be used.
 
@@ -147,9 +149,11 @@ class Supervisor:
             rad/s.
         clock : float, optional
             What the clock of the stamps says now, s; None: not to be compared.
+        refused : str
+            Why the message does not tell the reading; '' if it does.
 
         """
-        bad = self._judge(now, stamp, value, clock)
+        bad = self._judge(now, stamp, value, clock, refused)
         self._bad = bad
         if bad is None:
             self._score = max(0.0, self._score - _FORGIVEN)
@@ -163,10 +167,12 @@ class Supervisor:
             self._trip(*bad, now)
         return False
 
-    def _judge(self, now: float, stamp: float, value: float, clock: float | None
+    def _judge(self, now: float, stamp: float, value: float, clock: float | None, refused: str
                ) -> tuple[str, str] | None:
         settings = self.settings
         before, self._stamp = self._stamp, stamp
+        if refused:
+            return 'feedback_joint', refused
         if not math.isfinite(value):
             return 'feedback_not_finite', f'{value}'
         if stamp <= before:

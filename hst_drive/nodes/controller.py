@@ -37,6 +37,8 @@ class Controller(DriveNode):
     parameters = (
         Parameter('mode', 'closed_loop', 'closed_loop: PI on the speed; open_loop: pass the '
                   'manual command on'),
+        Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
+                  'one there is'),
         Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
         Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
         Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
@@ -109,7 +111,7 @@ class Controller(DriveNode):
     def activate(self) -> None:
         """Open the endpoints."""
         self.publish_to('pump_command')
-        self.listen_to('motor', self._measured)
+        self.listen_to('motor', self._measured, 'joint')
         for name in ('speed_setpoint', 'manual_pump_command'):
             self.listen_to(name, lambda stamp, values, name=name: self._wants(
                 name, stamp, values[0]))
@@ -157,7 +159,8 @@ class Controller(DriveNode):
     def _measured(self, stamp: int, values: tuple[float, ...]) -> None:
         now = self._seconds(stamp)
         clock = None if self.lockstep else self.now() / BILLION
-        self._usable = self._watch.feedback(now, stamp / BILLION, values[1], clock)
+        self._usable = self._watch.feedback(now, stamp / BILLION, values[1], clock,
+                                            self.inputs['motor'].refused)
         self._reading = (stamp, values[1] if self._usable else math.nan)
         if not self.lockstep:
             self._answer(self.now())
