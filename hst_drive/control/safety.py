@@ -10,82 +10,24 @@ cannot wind up.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 import math
 from typing import NamedTuple
 
-FAULTS = {
-    'emergency_stop': 'emergency stop',
-    'feedback_lost': 'no usable speed reading',
-    'feedback_joint': 'it is not clear which joint of the message to read',
-    'feedback_not_finite': 'the speed reading is not a number',
-    'feedback_out_of_range': 'the speed reading is outside its range',
-    'feedback_jumps': 'the speed reading jumps faster than the drive can',
-    'feedback_frozen': 'the speed reading does not change at all',
-    'feedback_time': 'the time stamps of the speed reading are wrong',
-    'setpoint_lost': 'no set point',
-    'setpoint_invalid': 'the set point is not a number in its range',
-    'command_invalid': 'the command is not a number within its limits',
-    'shutdown': 'the controller is being ended',
-}
-"""What each fault means."""
+from hst_drive.control.faults import Fault, FAULTS, SafetySettings
+
 WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
+_SHARE = 0.5       # of the set point: loaded, at full stroke, the drive turns slower, but it turns
+_NEARER = 0.9      # an error that falls to this share of itself is a drive that follows slowly
+_MOVED = 0.01      # of the range of the command: less is the noise of the speed times kp
 
 
-@dataclass(frozen=True)
-class SafetySettings:
-    """
-    Limits and times of the supervisor.
+class _Apart(NamedTuple):
+    """Since when (s) the speed is apart, how far (rad/s, with sign), at which command (V)."""
 
-    Attributes
-    ----------
-    feedback_timeout : float
-        Longest time without a usable reading, s.
-    setpoint_timeout : float
-        Longest time without a set point (or manual command), s; 0: the last one holds for ever.
-    stamp_tolerance : float
-        Largest difference between a reading's stamp and the clock, s; 0: not judged.
-    frozen_timeout : float
-        Longest time with the same reading, other than 0, to the last bit, s; 0: not judged.
-    bad_readings : int
-        So many bad readings in a row are a fault; fewer are passed over.
-    speed_limit : float
-        Readings are within +- this, set points between 0 and this, rad/s.
-    acceleration_limit : float
-        Largest change of the reading, rad/s^2.
-    stop_time, emergency_stop_time : float
-        Time of the ramp from the largest command to 0 V, s.
-
-    """
-
-    feedback_timeout: float = 0.25
-    setpoint_timeout: float = 0.5
-    stamp_tolerance: float = 1.0
-    frozen_timeout: float = 1.0
-    bad_readings: int = 3
-    speed_limit: float = 30.0
-    acceleration_limit: float = 1500.0
-    stop_time: float = 1.0
-    emergency_stop_time: float = 0.3
-
-    def __post_init__(self):
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            may_be_off = entry.name in ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout')
-            if not math.isfinite(value) or value < 0 or (value == 0 and not may_be_off):
-                raise ValueError(f'{entry.name}={value}: expected a positive number')
-
-
-class Fault(NamedTuple):
-    """A fault: one of ``FAULTS``, what was found, and when (s)."""
-
-    kind: str
-    found: str
-    time: float
-
-    def __str__(self) -> str:
-        return f'{self.kind}: {FAULTS[self.kind]}' + (f' ({self.found})' if self.found else '')
+    since: float
+    error: float
+    command: float
 
 
 class Supervisor:
@@ -121,6 +63,7 @@ class Supervisor:
         self._usable_at: float | None = None
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
+        self._apart: _Apart | None = None
         self._ramped_at: float | None = None
         self._ending = False
 
@@ -235,6 +178,40 @@ class Supervisor:
             return False
         return True
 
+    def lags(self, now: float, setpoint: float, speed: float, command: float) -> bool:
+        """
+        Judge what no single reading shows: that the speed does not follow the set point.
+
+        It does not if it stays apart, comes no nearer, and the command sits at its limit or
+        moves on all the same: a motor that does not turn, a sensor on another shaft, a stall.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        setpoint, speed : float
+            rad/s; a speed that is not a number (a reading passed over) changes nothing.
+        command : float
+            What the law made of them, V.
+
+        """
+        settings, (low, high) = self.settings, self.limits
+        error, apart = setpoint - speed, self._apart
+        if math.isnan(error) or not settings.following_error_timeout:
+            return False
+        if abs(error) <= max(settings.following_error_limit, _SHARE * setpoint):
+            self._apart = None
+            return False
+        if apart is None or error * apart.error <= _NEARER * apart.error**2:
+            self._apart = _Apart(now, error, command)
+        elif (lasts := now - apart.since) > settings.following_error_timeout:
+            moved = math.copysign(1.0, error) * (command - apart.command)
+            if command == (high if error > 0.0 else low) or moved > _MOVED * (high - low):
+                self._trip('following_error', f'{speed:.4g} rad/s where {setpoint:.4g} rad/s is '
+                           f'set, at {command:.4g} V, for {lasts:.3g} s', now)
+            self._apart = _Apart(now, error, command)
+        return self.fault is not None
+
     def check(self, now: float) -> None:
         """Look for what has not come in time."""
         if self.state == RUNNING:
@@ -293,7 +270,7 @@ class Supervisor:
         """End the fault if its cause is gone; return what stands against it, else nothing."""
         found = self.causes(now)
         if not found:
-            self.fault = self._ramped_at = None
+            self.fault = self._ramped_at = self._apart = None
             self._score = 0.0
             self._same_since = now
         return found

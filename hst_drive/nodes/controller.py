@@ -62,6 +62,11 @@ class Controller(DriveNode):
                   'wrong', 'rad/s', 0.1, 1e4),
         Parameter('acceleration_limit', _DEFAULTS.acceleration_limit, 'readings that change '
                   'faster are wrong', 'rad/s^2', 1.0, 1e7),
+        Parameter('following_error_limit', _DEFAULTS.following_error_limit, 'largest difference '
+                  'between set point and speed that may last', 'rad/s', 0.01, 1e4),
+        Parameter('following_error_timeout', _DEFAULTS.following_error_timeout, 'longest time '
+                  'with a larger one, while the command is at its limit or moves on; 0: not '
+                  'judged', 's', 0.0, 3600.0),
         Parameter('stop_time', _DEFAULTS.stop_time, 'ramp from the largest command to 0 V', 's',
                   0.01, 60.0),
         Parameter('emergency_stop_time', _DEFAULTS.emergency_stop_time, 'the same for an '
@@ -206,7 +211,9 @@ class Controller(DriveNode):
             command = self._setpoint
         else:
             command = self._law.update(self._setpoint, speed)
-        if self._watch.formed(now, command):
+        controls = self._setpoint is not None and not self._manual
+        if self._watch.formed(now, command) and not (
+                controls and self._watch.lags(now, self._setpoint, speed, command)):
             self._command = command
 
     def _supervise(self) -> None:
