@@ -74,9 +74,13 @@ class Supervisor:
 
     @property
     def state(self) -> str:
-        """'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'."""
+        """
+        'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'.
+
+        It is 'stopped' once the ramp has given 0 V, not before.
+        """
         if self.fault:
-            return STOPPING if self.command > 0.0 else STOPPED
+            return STOPPED if self._ramped_at is not None and self.command == 0.0 else STOPPING
         return WAITING if any(self.missing) else RUNNING
 
     def feedback(self, now: float, stamp: float, value: float, clock: float | None = None,
