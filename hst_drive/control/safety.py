@@ -30,6 +30,13 @@ class _Apart(NamedTuple):
     command: float
 
 
+class _Ramp(NamedTuple):
+    """When the ramp has last given a command (s), and which one (V)."""
+
+    time: float
+    command: float
+
+
 class Supervisor:
     """
     Watches readings and wishes; holds the fault and the ramp.
@@ -52,7 +59,6 @@ class Supervisor:
                  manual: bool = False):
         self.settings, self.limits, self.manual = settings, limits, manual
         self.fault: Fault | None = None
-        self.command = 0.0                 # V, of the ramp
         self.passed_over = 0               # bad readings that led to no fault
         self._pressed: set[str] = set()
         self._bad: tuple[str, str] | None = None
@@ -64,7 +70,7 @@ class Supervisor:
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
         self._apart: _Apart | None = None
-        self._ramped_at: float | None = None
+        self._ramp: _Ramp | None = None
         self._ending = False
 
     @property
@@ -80,7 +86,7 @@ class Supervisor:
         It is 'stopped' once the ramp has given 0 V, not before.
         """
         if self.fault:
-            return STOPPED if self._ramped_at is not None and self.command == 0.0 else STOPPING
+            return STOPPED if self._ramp and self._ramp.command == 0.0 else STOPPING
         return WAITING if any(self.missing) else RUNNING
 
     def feedback(self, now: float, stamp: float, value: float, clock: float | None = None,
@@ -132,7 +138,7 @@ class Supervisor:
             return 'feedback_out_of_range', f'{value:.4g} rad/s, limit {settings.speed_limit:g}'
         last = self._value
         if abs(value - last) > settings.acceleration_limit * (stamp - before) and (
-                math.isfinite(before) and math.isfinite(last)):
+                math.isfinite(last)):
             if self.fault:
                 self._value = value    # so that a new level is taken in before the reset
             return 'feedback_jumps', f'from {last:.4g} to {value:.4g} rad/s'
@@ -248,15 +254,12 @@ class Supervisor:
             What was sent last, V.
 
         """
-        if self._ramped_at is None:
-            self._ramped_at, self.command = min(self.fault.time, now), max(0.0, command)
-        settings = self.settings
+        settings, ramp = self.settings, self._ramp or _Ramp(min(self.fault.time, now), command)
         time = (settings.emergency_stop_time if self._ending or self.fault.kind == 'emergency_stop'
                 else settings.stop_time)
-        fall = self.limits[1] / time * max(0.0, now - self._ramped_at)
-        self._ramped_at = max(now, self._ramped_at)
-        self.command = max(0.0, self.command - fall)
-        return self.command
+        fall = self.limits[1] / time * max(0.0, now - ramp.time)
+        self._ramp = _Ramp(max(now, ramp.time), max(0.0, ramp.command - fall))
+        return self._ramp.command
 
     def causes(self, now: float) -> list[str]:
         """Return what stands against a reset; empty if nothing does."""
@@ -274,7 +277,7 @@ class Supervisor:
         """End the fault if its cause is gone; return what stands against it, else nothing."""
         found = self.causes(now)
         if not found:
-            self.fault = self._ramped_at = self._apart = None
+            self.fault = self._ramp = self._apart = None
             self._score = 0.0
             self._same_since = now
         return found
