@@ -28,7 +28,7 @@ NEEDS = {
                      'bag/test_fuzz.py', 'bag/test_long_bag.py', 'bag/test_recovery.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
-                     'nodes/test_run.py'), (*BAGS, 'rclpy')),
+                     'nodes/test_joints.py', 'nodes/test_run.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     **dict.fromkeys(('diagnose/test_causes.py', 'diagnose/test_hopes.py',

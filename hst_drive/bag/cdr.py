@@ -165,9 +165,19 @@ class Codec:
         if kind not in PRIMITIVES:
             raise InputError(f'path {path!r} of {self.type_name} leads to {kind}, not to a number')
 
-    def extract(self, messages: Sequence[bytes], paths: Sequence[str]) -> dict[str, np.ndarray]:
+    def extract(self, messages: Sequence[bytes], paths: Sequence[str],
+                arrays: list[dict] | None = None) -> dict[str, np.ndarray]:
         """
         Read numbers out of many messages.
+
+        Parameters
+        ----------
+        messages : sequence of bytes
+            As a bag holds them.
+        paths : sequence of str
+            Where the numbers are.
+        arrays : list, optional
+            Gets what ``arrays`` returns of each layout that is met.
 
         Returns
         -------
@@ -189,12 +199,12 @@ class Codec:
             raw = np.frombuffer(b''.join(messages[i] for i in group), np.uint8)
             raw = raw.reshape(len(group), length)
             for _ in range(_MAX_GROUPS):
-                rows, raw = self._extract_alike(rows, raw, messages, out)
+                rows, raw = self._extract_alike(rows, raw, messages, out, arrays)
                 if not len(rows):
                     break
             for index in rows:
                 self._extract_alike(np.array([index]), np.frombuffer(
-                    messages[index], np.uint8)[None, :], messages, out)
+                    messages[index], np.uint8)[None, :], messages, out, arrays)
         return out
 
     def layout(self, data: bytes, paths: Sequence[str]
@@ -229,9 +239,11 @@ class Codec:
         walk.message(self.type_name)
         return walk
 
-    def _extract_alike(self, rows, raw, messages, out):
+    def _extract_alike(self, rows, raw, messages, out, arrays):
         """Read the messages laid out as the first one; return the others."""
         walk = self._walk(messages[rows[0]], tuple(out))
+        if arrays is not None:
+            arrays.append(walk.found)
         alike = np.ones(len(rows), bool)
         for start, size in walk.fixed:
             alike &= (raw[:, start:start + size] == raw[0, start:start + size]).all(axis=1)

@@ -150,6 +150,16 @@ def refuse_beyond(pick: Pick, topic: TopicNumbers, source: str) -> None:
                          f'{there}')
 
 
+def refuse_joints(picks: Sequence[Pick], topic: TopicNumbers, source: str) -> None:
+    """Raise InputError if our own names do not tell which joint of a JointState is meant."""
+    own = [pick for pick in picks if not pick.entry.source]
+    if own and topic.unclear:
+        entries = ', '.join(f"{pick.entry.channel}: '{topic.topic}."
+                            f"{pick.path.replace('[0]', '[NAME]')}'" for pick in own)
+        raise InputError(f'{source}: {topic.topic}: {topic.unclear}; name the one to read in a '
+                         f'channel map, channels: {{{entries}}}: --channels MAP.yaml')
+
+
 def _list(streams: Sequence[Stream]) -> str:
     names = [f'{stream.topic} ({stream.type})' for stream in streams]
     more = f' and {len(names) - _SHOWN} more' if len(names) > _SHOWN else ''

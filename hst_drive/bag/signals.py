@@ -10,11 +10,12 @@ from typing import NamedTuple
 from hst_drive.bag.align import align, alternates, Signal
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.clock import set_forward_again
-from hst_drive.bag.picks import all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond
+from hst_drive.bag.picks import (all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond,
+                                 refuse_joints)
 from hst_drive.bag.rosbag2 import bag_blocks
 from hst_drive.bag.stream import Stream
 from hst_drive.bag.topic_numbers import TopicNumbers
-from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, first_of_several, TOPICS
+from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, TOPICS
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
@@ -135,9 +136,8 @@ class BagSignals:
             if topic is None:
                 self.notes.append(f'{stream.topic}: no messages')
                 continue
-            if several := first_of_several(topic.codec.arrays(topic.first[0]), [
-                    pick.path for pick in wanted if not pick.entry.source]):
-                self.notes.append(f'{topic.topic}: {several}')
+            refuse_joints([pick for pick in wanted if pick.path in topic.seen], topic,
+                          str(self._path))
             for pick in wanted:
                 if pick.entry.source and pick.path not in topic.seen:
                     refuse_beyond(pick, topic, self._map.source)

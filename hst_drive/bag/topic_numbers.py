@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.column import Column
 from hst_drive.bag.diagnostic_values import read_values
+from hst_drive.bag.joints import JointChoice
 from hst_drive.bag.stream import Stream
-from hst_drive.bag.topics import DIAGNOSTIC_ARRAY
+from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, JOINT_STATE
 from hst_drive.errors import InputError
 import numpy as np
 
@@ -40,6 +41,8 @@ class TopicNumbers:
     codec : Codec
     first : list of bytes
         The first messages.
+    unclear : str
+        Why a JointState does not tell which joint is ours; '' if all messages hold the same one.
     seen : set of str
         Paths that held a number at least once.
     stamped : bool
@@ -51,6 +54,8 @@ class TopicNumbers:
         self.topic, self.type = stream.topic, stream.type
         self.codec = Codec(stream.type, stream.definition)
         self.first: list[bytes] = []
+        self.unclear = ''
+        self._choice = JointChoice()
         self.seen: set[str] = set()
         self._paths = list(dict.fromkeys(paths))
         self.stamped = self.codec.has_stamp
@@ -76,7 +81,10 @@ class TopicNumbers:
                 found = {**read_values(stream.data, self._paths),
                          **self.codec.extract(stream.data, stamp)}
             else:
-                found = self.codec.extract(stream.data, [*self._paths, *stamp])
+                arrays: list[dict] = []
+                found = self.codec.extract(stream.data, [*self._paths, *stamp], arrays)
+                for layout in arrays if self.type == JOINT_STATE else ():
+                    self.unclear = self.unclear or self._choice.place(layout)[1]
         except MalformedError as error:
             raise InputError(f'{source}: {stream.topic}: a message does not fit its definition '
                              f'{stream.type} ({error})') from None

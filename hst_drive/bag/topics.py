@@ -11,7 +11,6 @@ definitions say.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from hst_drive.units import from_si, to_si
@@ -227,25 +226,3 @@ def markdown() -> str:
                         f'{title} | {unit} | {topic.frame} | {topic.publisher} | {qos} | '
                         f'{"on" if topic.on else "off"} |')
     return '\n'.join(rows) + '\n'
-
-
-def first_of_several(arrays: Mapping[str, tuple[int, Sequence[str]]],
-                     paths: Iterable[str]) -> str:
-    """
-    Return a sentence if the first of several joints is read, else nothing.
-
-    Parameters
-    ----------
-    arrays : mapping
-        Length and names of the elements of each array of a message (``Codec.arrays``).
-    paths : iterable of str
-        What is read of it.
-
-    """
-    for path in paths:
-        name, _, element = path.rpartition('[')
-        length, names = arrays.get(name, (0, ()))
-        if element == '0]' and length > 1:
-            known = f' ({", ".join(names[:length])})' if names[:length] else ''
-            return f'{name} has {length} elements{known}; the first is read'
-    return ''

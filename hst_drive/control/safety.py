@@ -10,81 +10,31 @@ cannot wind up.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 import math
 from typing import NamedTuple
 
-FAULTS = {
-    'emergency_stop': 'emergency stop',
-    'feedback_lost': 'no usable speed reading',
-    'feedback_not_finite': 'the speed reading is not a number',
-    'feedback_out_of_range': 'the speed reading is outside its range',
-    'feedback_jumps': 'the speed reading jumps faster than the drive can',
-    'feedback_frozen': 'the speed reading does not change at all',
-    'feedback_time': 'the time stamps of the speed reading are wrong',
-    'setpoint_lost': 'no set point',
-    'setpoint_invalid': 'the set point is not a number in its range',
-    'command_invalid': 'the command is not a number within its limits',
-    'shutdown': 'the controller is being ended',
-}
-"""What each fault means."""
+from hst_drive.control.faults import Fault, FAULTS, SafetySettings
+
 WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
+_SHARE = 0.5       # of the set point: loaded, at full stroke, the drive turns slower, but it turns
+_NEARER = 0.9      # an error that falls to this share of itself is a drive that follows slowly
+_MOVED = 0.01      # of the range of the command: less is the noise of the speed times kp
 
 
-@dataclass(frozen=True)
-class SafetySettings:
-    """
-    Limits and times of the supervisor.
+class _Apart(NamedTuple):
+    """Since when (s) the speed is apart, how far (rad/s, with sign), at which command (V)."""
 
-    Attributes
-    ----------
-    feedback_timeout : float
-        Longest time without a usable reading, s.
-    setpoint_timeout : float
-        Longest time without a set point (or manual command), s; 0: the last one holds for ever.
-    stamp_tolerance : float
-        Largest difference between a reading's stamp and the clock, s; 0: not judged.
-    frozen_timeout : float
-        Longest time with the same reading, other than 0, to the last bit, s; 0: not judged.
-    bad_readings : int
-        So many bad readings in a row are a fault; fewer are passed over.
-    speed_limit : float
-        Readings are within +- this, set points between 0 and this, rad/s.
-    acceleration_limit : float
-        Largest change of the reading, rad/s^2.
-    stop_time, emergency_stop_time : float
-        Time of the ramp from the largest command to 0 V, s.
-
-    """
-
-    feedback_timeout: float = 0.25
-    setpoint_timeout: float = 0.5
-    stamp_tolerance: float = 1.0
-    frozen_timeout: float = 1.0
-    bad_readings: int = 3
-    speed_limit: float = 30.0
-    acceleration_limit: float = 1500.0
-    stop_time: float = 1.0
-    emergency_stop_time: float = 0.3
-
-    def __post_init__(self):
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            may_be_off = entry.name in ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout')
-            if not math.isfinite(value) or value < 0 or (value == 0 and not may_be_off):
-                raise ValueError(f'{entry.name}={value}: expected a positive number')
+    since: float
+    error: float
+    command: float
 
 
-class Fault(NamedTuple):
-    """A fault: one of ``FAULTS``, what was found, and when (s)."""
+class _Ramp(NamedTuple):
+    """When the ramp has last given a command (s), and which one (V)."""
 
-    kind: str
-    found: str
     time: float
-
-    def __str__(self) -> str:
-        return f'{self.kind}: {FAULTS[self.kind]}' + (f' ({self.found})' if self.found else '')
+    command: float
 
 
 class Supervisor:
@@ -109,7 +59,6 @@ class Supervisor:
                  manual: bool = False):
         self.settings, self.limits, self.manual = settings, limits, manual
         self.fault: Fault | None = None
-        self.command = 0.0                 # V, of the ramp
         self.passed_over = 0               # bad readings that led to no fault
         self._pressed: set[str] = set()
         self._bad: tuple[str, str] | None = None
@@ -120,7 +69,8 @@ class Supervisor:
         self._usable_at: float | None = None
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
-        self._ramped_at: float | None = None
+        self._apart: _Apart | None = None
+        self._ramp: _Ramp | None = None
         self._ending = False
 
     @property
@@ -130,12 +80,17 @@ class Supervisor:
 
     @property
     def state(self) -> str:
-        """'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'."""
+        """
+        'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'.
+
+        It is 'stopped' once the ramp has given 0 V, not before.
+        """
         if self.fault:
-            return STOPPING if self.command > 0.0 else STOPPED
+            return STOPPED if self._ramp and self._ramp.command == 0.0 else STOPPING
         return WAITING if any(self.missing) else RUNNING
 
-    def feedback(self, now: float, stamp: float, value: float, clock: float | None = None) -> bool:
+    def feedback(self, now: float, stamp: float, value: float, clock: float | None = None,
+                 refused: str = '') -> bool:
         """
         Judge a speed reading and return whether it may be used.
 
@@ -147,9 +102,11 @@ class Supervisor:
             rad/s.
         clock : float, optional
             What the clock of the stamps says now, s; None: not to be compared.
+        refused : str
+            Why the message does not tell the reading; '' if it does.
 
         """
-        bad = self._judge(now, stamp, value, clock)
+        bad = self._judge(now, stamp, value, clock, refused)
         self._bad = bad
         if bad is None:
             self._score = max(0.0, self._score - _FORGIVEN)
@@ -163,10 +120,12 @@ class Supervisor:
             self._trip(*bad, now)
         return False
 
-    def _judge(self, now: float, stamp: float, value: float, clock: float | None
+    def _judge(self, now: float, stamp: float, value: float, clock: float | None, refused: str
                ) -> tuple[str, str] | None:
         settings = self.settings
         before, self._stamp = self._stamp, stamp
+        if refused:
+            return 'feedback_joint', refused
         if not math.isfinite(value):
             return 'feedback_not_finite', f'{value}'
         if stamp <= before:
@@ -179,7 +138,7 @@ class Supervisor:
             return 'feedback_out_of_range', f'{value:.4g} rad/s, limit {settings.speed_limit:g}'
         last = self._value
         if abs(value - last) > settings.acceleration_limit * (stamp - before) and (
-                math.isfinite(before) and math.isfinite(last)):
+                math.isfinite(last)):
             if self.fault:
                 self._value = value    # so that a new level is taken in before the reset
             return 'feedback_jumps', f'from {last:.4g} to {value:.4g} rad/s'
@@ -229,6 +188,40 @@ class Supervisor:
             return False
         return True
 
+    def lags(self, now: float, setpoint: float, speed: float, command: float) -> bool:
+        """
+        Judge what no single reading shows: that the speed does not follow the set point.
+
+        It does not if it stays apart, comes no nearer, and the command sits at its limit or
+        moves on all the same: a motor that does not turn, a sensor on another shaft, a stall.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        setpoint, speed : float
+            rad/s; a speed that is not a number (a reading passed over) changes nothing.
+        command : float
+            What the law made of them, V.
+
+        """
+        settings, (low, high) = self.settings, self.limits
+        error, apart = setpoint - speed, self._apart
+        if math.isnan(error) or not settings.following_error_timeout:
+            return False
+        if abs(error) <= max(settings.following_error_limit, _SHARE * setpoint):
+            self._apart = None
+            return False
+        if apart is None or error * apart.error <= _NEARER * apart.error**2:
+            self._apart = _Apart(now, error, command)
+        elif (lasts := now - apart.since) > settings.following_error_timeout:
+            moved = math.copysign(1.0, error) * (command - apart.command)
+            if command == (high if error > 0.0 else low) or moved > _MOVED * (high - low):
+                self._trip('following_error', f'{speed:.4g} rad/s where {setpoint:.4g} rad/s is '
+                           f'set, at {command:.4g} V, for {lasts:.3g} s', now)
+            self._apart = _Apart(now, error, command)
+        return self.fault is not None
+
     def check(self, now: float) -> None:
         """Look for what has not come in time."""
         if self.state == RUNNING:
@@ -261,15 +254,12 @@ class Supervisor:
             What was sent last, V.
 
         """
-        if self._ramped_at is None:
-            self._ramped_at, self.command = min(self.fault.time, now), max(0.0, command)
-        settings = self.settings
+        settings, ramp = self.settings, self._ramp or _Ramp(min(self.fault.time, now), command)
         time = (settings.emergency_stop_time if self._ending or self.fault.kind == 'emergency_stop'
                 else settings.stop_time)
-        fall = self.limits[1] / time * max(0.0, now - self._ramped_at)
-        self._ramped_at = max(now, self._ramped_at)
-        self.command = max(0.0, self.command - fall)
-        return self.command
+        fall = self.limits[1] / time * max(0.0, now - ramp.time)
+        self._ramp = _Ramp(max(now, ramp.time), max(0.0, ramp.command - fall))
+        return self._ramp.command
 
     def causes(self, now: float) -> list[str]:
         """Return what stands against a reset; empty if nothing does."""
@@ -287,7 +277,7 @@ class Supervisor:
         """End the fault if its cause is gone; return what stands against it, else nothing."""
         found = self.causes(now)
         if not found:
-            self.fault = self._ramped_at = None
+            self.fault = self._ramp = self._apart = None
             self._score = 0.0
             self._same_since = now
         return found

@@ -112,9 +112,10 @@ class DriveNode(Node):
         for name in names:
             self.outputs[name] = Output(self, topic_named(name))
 
-    def listen_to(self, name: str, callback: Callable[[int, tuple[float, ...]], None]) -> None:
-        """Open a subscription of a topic of the table."""
-        self.inputs[name] = Input(self, topic_named(name), callback)
+    def listen_to(self, name: str, callback: Callable[[int, tuple[float, ...]], None],
+                  joint: str = '') -> None:
+        """Open a subscription of a topic of the table; ``joint`` as of ``Input``."""
+        self.inputs[name] = Input(self, topic_named(name), callback, joint)
 
     def now(self) -> int:
         """Return the node's time, ns."""

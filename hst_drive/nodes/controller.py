@@ -37,6 +37,8 @@ class Controller(DriveNode):
     parameters = (
         Parameter('mode', 'closed_loop', 'closed_loop: PI on the speed; open_loop: pass the '
                   'manual command on'),
+        Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
+                  'one there is'),
         Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
         Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
         Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
@@ -60,6 +62,11 @@ class Controller(DriveNode):
                   'wrong', 'rad/s', 0.1, 1e4),
         Parameter('acceleration_limit', _DEFAULTS.acceleration_limit, 'readings that change '
                   'faster are wrong', 'rad/s^2', 1.0, 1e7),
+        Parameter('following_error_limit', _DEFAULTS.following_error_limit, 'largest difference '
+                  'between set point and speed that may last', 'rad/s', 0.01, 1e4),
+        Parameter('following_error_timeout', _DEFAULTS.following_error_timeout, 'longest time '
+                  'with a larger one, while the command is at its limit or moves on; 0: not '
+                  'judged', 's', 0.0, 3600.0),
         Parameter('stop_time', _DEFAULTS.stop_time, 'ramp from the largest command to 0 V', 's',
                   0.01, 60.0),
         Parameter('emergency_stop_time', _DEFAULTS.emergency_stop_time, 'the same for an '
@@ -109,7 +116,7 @@ class Controller(DriveNode):
     def activate(self) -> None:
         """Open the endpoints."""
         self.publish_to('pump_command')
-        self.listen_to('motor', self._measured)
+        self.listen_to('motor', self._measured, 'joint')
         for name in ('speed_setpoint', 'manual_pump_command'):
             self.listen_to(name, lambda stamp, values, name=name: self._wants(
                 name, stamp, values[0]))
@@ -157,7 +164,8 @@ class Controller(DriveNode):
     def _measured(self, stamp: int, values: tuple[float, ...]) -> None:
         now = self._seconds(stamp)
         clock = None if self.lockstep else self.now() / BILLION
-        self._usable = self._watch.feedback(now, stamp / BILLION, values[1], clock)
+        self._usable = self._watch.feedback(now, stamp / BILLION, values[1], clock,
+                                            self.inputs['motor'].refused)
         self._reading = (stamp, values[1] if self._usable else math.nan)
         if not self.lockstep:
             self._answer(self.now())
@@ -203,7 +211,9 @@ class Controller(DriveNode):
             command = self._setpoint
         else:
             command = self._law.update(self._setpoint, speed)
-        if self._watch.formed(now, command):
+        controls = self._setpoint is not None and not self._manual
+        if self._watch.formed(now, command) and not (
+                controls and self._watch.lags(now, self._setpoint, speed, command)):
             self._command = command
 
     def _supervise(self) -> None:

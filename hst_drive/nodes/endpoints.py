@@ -11,8 +11,9 @@ import struct
 
 from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import (ATMOSPHERE, Field, first_of_several, FLUID_PRESSURE, JOINT_STATE,
-                                  Qos, TEMPERATURE, Topic, TOPICS, TRUTH)
+from hst_drive.bag.joints import JointChoice
+from hst_drive.bag.topics import (ATMOSPHERE, Field, FLUID_PRESSURE, JOINT_STATE, Qos,
+                                  TEMPERATURE, Topic, TOPICS, TRUTH)
 from hst_drive.errors import InputError
 from hst_drive.units import canonical, UNITS
 from rclpy.publisher import Publisher
@@ -198,15 +199,35 @@ class Input:
 
     NaN stands for an element that a message does not have; a message that cannot be read is
     passed over with a warning.
+
+    Parameters
+    ----------
+    node : DriveNode
+        Owner.
+    topic : Topic
+        Row of the table.
+    callback : callable
+        As above.
+    joint : str
+        The node's parameter that names the joint to read, for a JointState.
+
+    Attributes
+    ----------
+    refused : str
+        Why the last message has no numbers, as it does not tell the joint; '' if it does.
+
     """
 
-    def __init__(self, node, topic: Topic, callback: Callable[[int, tuple[float, ...]], None]):
+    def __init__(self, node, topic: Topic, callback: Callable[[int, tuple[float, ...]], None],
+                 joint: str = ''):
         self.topic = topic
         self._callback = callback
         self._codec = Codec(topic.type, find_definition(topic.type))
         self._paths = [field.path for field in topic.fields]
         self._scales = [_scale(field) for field in topic.fields]
         self._layout: Layout | None = None
+        self._joint, self.refused = joint, ''
+        self._choice = JointChoice(node.settings[joint]) if joint else None
         self._node = node
         self._log = node.get_logger()
         with _wrong_override(node, topic.name):
@@ -217,9 +238,7 @@ class Input:
     def _received(self, data: bytes) -> None:
         try:
             if self._layout is None or not self._layout.fits(data):
-                self._layout = Layout(self._codec, data, self._paths)
-                if several := first_of_several(self._codec.arrays(data), self._paths):
-                    self._log.warning(f'{self.topic.name}: {several}', once=True)
+                self._layout = Layout(self._codec, data, self._paths_in(data))
             values = self._layout.read(data)
         except MalformedError as error:
             self._log.warning(f'{self.topic.name}: {error}', throttle_duration_sec=5.0)
@@ -227,6 +246,17 @@ class Input:
         self._callback(stamp_of(data), tuple([
             value * factor + offset + shift
             for value, (factor, offset, shift) in zip(values, self._scales)]))
+
+    def _paths_in(self, data: bytes) -> list[str]:
+        """Return where the numbers are in messages like this one; nowhere if it is refused."""
+        if self._choice is None:
+            return self._paths
+        place, why = self._choice.place(self._codec.arrays(data))
+        self.refused = f'{why}: name the one to read in the parameter {self._joint}' if why else ''
+        if why:
+            self._log.error(f'{self.topic.name}: {self.refused}', throttle_duration_sec=5.0)
+            return [''] * len(self._paths)
+        return [path.replace('[0]', f'[{place}]') for path in self._paths]
 
     def found(self) -> str:
         """Return the topic's name and what is there of its publishers."""

@@ -16,6 +16,7 @@ from hst_drive.nodes.parameters import Parameter
 from hst_drive.rig import default_rig, load_rig
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
+_JOINTS = {'motor': 'joint', 'pump': 'pump_joint'}
 _RESISTANCES = {'leakage': 'leakage_resistance', 'port': 'port_resistance',
                 'external': 'external_leakage_resistance',
                 'internal': 'internal_leakage_resistance'}
@@ -33,6 +34,9 @@ class Estimator(DriveNode):
     role = 'estimator'
     parameters = (
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
+                  'one there is'),
+        Parameter('pump_joint', '', 'joint of the topic pump, likewise'),
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
         Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
@@ -79,7 +83,7 @@ class Estimator(DriveNode):
         self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
         for name in _READ:
             self.listen_to(name, lambda stamp, values, name=name: self._measured(
-                name, stamp, values))
+                name, stamp, values), _JOINTS.get(name, ''))
         super().activate()
         if not self.lockstep:
             self.create_timer(1.0 / self.settings['rate'], self._tick)
@@ -94,7 +98,7 @@ class Estimator(DriveNode):
             return
         for place, channel in self._channels[topic]:
             self._observer.put(channel, stamp, values[place])
-        self._heard = True
+        self._heard = self._heard or not self.inputs[topic].refused
         if self.lockstep:
             self._awaited[topic] = stamp
             reached = min(self._awaited.values())
@@ -164,6 +168,9 @@ class Estimator(DriveNode):
 
     def _say(self, stamp: int, what: str, reason: str) -> None:
         """Tell whether something is valid."""
+        if reason:
+            reason = '; '.join((reason, *(f'{name}: {entry.refused}' for name, entry in
+                                          self.inputs.items() if entry.refused)))
         self._tell(stamp, what, verdict.STALE if reason else verdict.OK,
                    f'not valid: {reason}' if reason else 'valid',
                    {'valid': str(not reason).lower()})

@@ -154,7 +154,7 @@ def test_a_clock_that_was_set_back_is_told_and_put_right(tmp_path):
     assert [note for note in run.notes if 'set back by 3.6e+03 s' in note] == list(run.notes)
 
 
-def test_of_several_joints_the_first_is_read_and_told(tmp_path):
+def test_of_several_joints_none_is_read_unless_a_map_names_it(tmp_path):
     header, time = kind('std_msgs/Header'), kind('builtin_interfaces/Time')
     found = []
     for i in range(COUNT):
@@ -163,14 +163,14 @@ def test_of_several_joints_the_first_is_read_and_told(tmp_path):
             header(time(at // 10**9, at % 10**9), ''), ['drill', 'winch'],
             np.zeros(2), np.array([i, 7.0]), np.zeros(2))))
     folder = write(tmp_path / 'bag', found)
-    run = read_log(folder)
-    np.testing.assert_allclose(run['motor_speed'], np.arange(COUNT))
-    assert any('/rig/motor: velocity has 2 elements (drill, winch)' in note for note in run.notes)
+    with pytest.raises(InputError, match=r'/rig/motor: 2 joints \(drill, winch\); name the one'
+                       r".*motor_speed: '/rig/motor.velocity\[NAME\]'") as caught:
+        read_log(folder)
+    assert '\n' not in str(caught.value)
     picked = read_log(folder, parse_channel_map(
         {'channels': {'motor_speed': '/rig/motor.velocity[winch]',
                       'load_torque': '/rig/motor.effort[winch]'}}, 'm'))
     assert (picked['motor_speed'] == 7.0).all()
-    assert not any('elements' in note for note in picked.notes)
     with pytest.raises(InputError, match='under namespace /other. It holds: /rig/motor'):
         read_log(folder, parse_channel_map({'namespace': '/other'}, 'm'))
 
@@ -196,3 +196,22 @@ def test_files_outside_of_the_bag_are_not_opened(tmp_path):
     metadata.write_text(metadata.read_text().replace('bag.mcap', '../secret.mcap'))
     with pytest.raises(InputError, match='outside of the bag'):
         read_log(folder, MAP)
+
+
+@pytest.mark.parametrize('turns, read', [
+    ([['drill']], True), ([[]], True), ([['drill'], ['drill']], True),
+    ([['drill'], ['fan']], False), ([['drill']] * 40 + [['fan', 'drill']], False)])
+def test_the_only_joint_must_stay_the_same_one(tmp_path, turns, read):
+    header, time = kind('std_msgs/Header'), kind('builtin_interfaces/Time')
+    found = []
+    for i in range(COUNT):
+        at, names = 10**18 + i * STEP, turns[i % len(turns)]
+        found.append(('/rig/motor', 'sensor_msgs/JointState', at, kind('sensor_msgs/JointState')(
+            header(time(at // 10**9, at % 10**9), ''), names, np.zeros(0),
+            np.full(max(len(names), 1), 0.1 * i), np.zeros(0))))
+    folder = write(tmp_path / 'bag', found)
+    if read:
+        np.testing.assert_allclose(read_log(folder)['motor_speed'], 0.1 * np.arange(COUNT))
+        return
+    with pytest.raises(InputError, match='joints.*name the one to read in a channel map'):
+        read_log(folder)

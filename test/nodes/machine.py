@@ -50,18 +50,27 @@ class Machine:
                 self.told = {'level': status.level, 'message': status.message,
                              **{entry.key: entry.value for entry in status.values}}
 
-    def tick(self, reading=10.0, wish=20.0, moved=0.0, manual=None, steady=False):
-        """Send one sample of everything (None: not), and take in what comes."""
+    def tick(self, reading=10.0, wish=19.0, moved=0.0, manual=None, steady=False, others=(),
+             name='drill'):
+        """
+        Send one sample of everything (None: not), and take in what comes.
+
+        A reading may be a function that gives it. ``others`` are joints with speeds of their own
+        that come before ours in the message.
+        """
         from geometry_msgs.msg import Vector3Stamped
         from rclpy.duration import Duration
         from sensor_msgs.msg import JointState
         now = self.node.get_clock().now()
         self.count += 1
         if reading is not None:
-            value = reading if steady else reading + 0.001 * math.sin(self.count)
+            value = reading() if callable(reading) else reading
+            value += 0.0 if steady else 0.001 * math.sin(self.count)
+            names, speeds = [*(other for other, _ in others), name], [
+                *(speed for _, speed in others), value]
             self.motor.publish(JointState(
-                header=_header(now + Duration(seconds=moved)), name=['motor'], position=[0.0],
-                velocity=[value], effort=[0.0]))
+                header=_header(now + Duration(seconds=moved)), name=names, velocity=speeds,
+                position=[0.0] * len(names), effort=[0.0] * len(names)))
         for publisher, number in ((self.setpoint, wish), (self.manual, manual)):
             if number is not None:
                 message = Vector3Stamped(header=_header(now))

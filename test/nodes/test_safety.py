@@ -3,6 +3,7 @@
 """Every row of the table of faults in docs/integration.md, on the controller's own process."""
 import math
 import os
+import time
 
 import pytest
 
@@ -63,6 +64,26 @@ def test_a_reading_that_jumps_to_and_fro(machine):
         machine.tick(reading=-29.0 if machine.count % 2 else 29.0)
     goes_to_zero(machine, 'feedback_jumps')
     machine.until(lambda: machine.reset().success)
+
+
+def test_a_machine_that_does_not_follow_is_stopped_and_one_that_does_is_not():
+    with surroundings('fifth') as machine, node(
+            'controller', '-r', '__ns:=/fifth', *TIMES, '-p', 'following_error_timeout:=2.0'):
+        # A motor with 2 rad/s per volt comes to its set point, and runs on.
+        machine.until(lambda: machine.commands)
+        machine.until(lambda: machine.commands[-1][1] > 4.9 or machine.told.get('fault'),
+                      reading=lambda: 2.0 * machine.commands[-1][1], wish=10.0)
+        end = time.monotonic() + 4.0
+        machine.until(lambda: time.monotonic() > end,
+                      reading=lambda: 2.0 * machine.commands[-1][1], wish=10.0)
+        assert machine.told['state'] == 'running'
+        machine.run_up()
+        # It never turns; or the sensor sits on another shaft, which does.
+        for reading in (0.0, 4.0):
+            goes_to_zero(machine, 'following_error', reading=reading, wish=12.0)
+            assert '12 rad/s is set' in machine.told['found']
+            machine.until(lambda: machine.reset().success)
+            machine.run_up()
 
 
 @pytest.mark.parametrize('way', ['stop', 'hasty_stop'])
