@@ -4,8 +4,9 @@
 Which seconds of a recording a model of the whole drive is judged on.
 
 Left out is what hangs on something that no channel shows: the moment at which the drive breaks
-away from standstill, and oil that comes and goes where the inlet cavitates. Both are told from
-the measurement alone, never from the error, and together they may take ``MOST`` of a recording:
+away from standstill, a motion that began before the recording did, and oil that comes and goes
+where the inlet cavitates. All are told from the measurement alone, never from the error, and
+together they may take ``MOST`` of a recording:
 what fills more of it is how the drive runs (or what its pressure sensor says), and an error
 there is an error.
 """
@@ -19,7 +20,9 @@ import numpy as np
 MOST = 0.5              # share of a recording that may be left out
 _START = 3.0            # s within which a drive may still break away from standstill
 _CAVITATING = 0.3e5     # Pa gauge
-_AFTER = 1.0            # s that the ringing after either takes
+_AFTER = 1.0            # s that the ringing after each takes
+_FIRST, _SOON = 0.05, 0.3   # s: between the first rows and those shortly after
+_MOVED = 0.1            # of a reading: so much in that time and the drive was in motion before
 
 
 class Span(NamedTuple):
@@ -58,6 +61,7 @@ def judged(run: Run) -> Judged:
     out = np.zeros(len(run), dtype=bool)
     reasons, kept = {}, {}
     for why, part in (('start from rest', _starting(run, time)),
+                      ('start in motion', _in_motion(run, time)),
                       ('cavitation', _cavitating(run, time))):
         if np.mean(out | part) > MOST:
             kept[why] = float(np.mean(part))
@@ -74,6 +78,21 @@ def _starting(run: Run, time: np.ndarray) -> np.ndarray:
     speed = np.abs(run['motor_speed'])
     slow = (time < _START) & (speed < 0.3 * np.nanmedian(speed))
     return time <= time[np.flatnonzero(slow)[-1]] + _AFTER if slow.any() else slow
+
+
+def _in_motion(run: Run, time: np.ndarray) -> np.ndarray:
+    """Tell the start of a recording that begins at a step: its states are in no channel."""
+    first = time <= max(_FIRST, time[min(2, len(time) - 1)])
+    soon = (time > _SOON - _FIRST) & (time <= _SOON + _FIRST)
+    for name in ('motor_speed', 'pump_outlet_pressure', 'motor_inlet_pressure'):
+        values = run.channels.get(name, np.zeros(0))
+        if not len(values) or not (np.isfinite(values[first]).any()
+                                   and np.isfinite(values[soon]).any()):
+            continue
+        before, after = np.nanmean(values[first]), np.nanmean(values[soon])
+        if abs(after - before) > _MOVED * np.nanmedian(np.abs(values)):
+            return time <= _AFTER
+    return np.zeros(len(time), dtype=bool)
 
 
 def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import behind, load_side, read
 from hst_drive.measure.speed import measured_speed, speed_behind
-from hst_drive.measure.start import first_state
+from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.drive import turned
@@ -111,6 +111,16 @@ class Replay:
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
+        self._beginning = Beginning.of(
+            time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
+        if self.torque and 'motor_speed' in run:
+            before = unsettled_load(drive, time, *(filled(run[name]) for name in (
+                self.torque, 'motor_speed')), *(self.inputs[name] for name in (
+                    'pprv_command', 'oil_temperature')))
+            if before is not None:
+                # A log may begin at a load step: then the PPRV comes from another command.
+                self.inputs['pprv_command'] = np.append(
+                    before, self.inputs['pprv_command'][1:])
         if self._between.steps > 1:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.
@@ -294,9 +304,8 @@ class Replay:
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
-        first = {name: float(filled(self.run[name])[0]) for name in self.signals}
         inputs = {name: float(values[0]) for name, values in self.inputs.items()}
-        return first_state(drive, first, inputs, self.torque)
+        return first_state(drive, self._beginning.first, inputs, self.torque, self._beginning)
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None,
                 commands: Mapping[str, np.ndarray] = {}) -> Prediction:

@@ -3,19 +3,74 @@
 """Where a replay starts: the state of the drive at the first sample of a recording."""
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Mapping, NamedTuple
 
 from hst_drive.measure.shaft import twist_at
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
 import numpy as np
+from scipy.optimize import brentq
 
 _FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
+_LINE, _LINE_ROWS = 0.05, 3     # s and rows at least, over which a reading moves on a line
+_RESTS = 1.0        # s over which what flows tells where the plate rests
+_MOVING = 0.1       # of the settled load: the reading is further off than a unit may be
+
+
+class Beginning(NamedTuple):
+    """
+    What the first rows of a recording tell: one row alone has a sensor's noise.
+
+    ``first`` are signals at the first row, SI, on a straight line through the next ones;
+    ``resting`` their means while the pump's command stands, and ``rise`` that of the pressure's
+    slope, Pa/s.
+    """
+
+    first: dict[str, float]
+    resting: dict[str, float]
+    rise: float
+
+    @classmethod
+    def of(cls, time: np.ndarray, signals: Mapping[str, np.ndarray],
+           command: np.ndarray) -> Beginning:
+        """Return it for filled signals."""
+        since = time - time[0]
+        near = np.arange(len(time)) < max(np.count_nonzero(since <= _LINE), _LINE_ROWS)
+        first = {name: float(np.polyval(np.polyfit(since[near], values[near], 1), 0.0))
+                 for name, values in signals.items()}
+        moves = np.flatnonzero((np.abs(command - command[0]) > _STILL) | (since > _RESTS))
+        still = slice(int(moves[0])) if len(moves) and moves[0] > _FIRST else slice(_FIRST)
+        pressure = signals.get('pump_outlet_pressure', signals.get('motor_inlet_pressure'))
+        return cls(first, {name: float(values[still].mean()) for name, values in signals.items()},
+                   0.0 if pressure is None else
+                   float(np.polyfit(since[still], pressure[still], 1)[0]))
+
+
+def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np.ndarray,
+                   command: np.ndarray, oil_temperature: np.ndarray) -> float | None:
+    """
+    Return the PPRV's command (V) on which the load has settled that is read at first.
+
+    None if that is the first command, or if none is: the PPRV's pressure is no channel.
+    """
+    def settled(volts: float) -> float:
+        return float(drive.load_torque(time[:2], np.full(2, volts), speed[:2],
+                                       oil_temperature[:2])[0])
+
+    now = settled(float(command[0]))
+    if abs(torque[1] - now) < _MOVING * abs(now) or abs(speed[0]) < 0.1:
+        return None
+    table = drive.rig.loading.pprv_pressure
+    low, high = settled(table.x[0]), settled(table.x[-1])
+    if not low < torque[1] < high:
+        return None
+    return float(brentq(lambda volts: settled(volts) - torque[1], table.x[0], table.x[-1],
+                        xtol=1e-3))
 
 
 def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
-                torque: str | None) -> np.ndarray:
+                torque: str | None, beginning: Beginning | None = None) -> np.ndarray:
     """
     Return the state at the first sample, as far as the signals tell it.
 
@@ -33,6 +88,8 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
         'motor_angle' (rad).
     torque : str, optional
         Name of the torque signal, if there is one.
+    beginning : Beginning, optional
+        What more rows than the first tell of the pump's plate.
 
     """
     commands = {name: inputs[name] for name in ('pump_command', 'pprv_command')}
@@ -54,13 +111,7 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     if 'pump_displacement' in first:
         state[0] = first['pump_displacement']
     elif 'motor_speed' in first or 'motor_inlet_flow' in first:
-        state[0] = 0.0
-        if abs(state[2]) > 0.2:
-            shown = drive.outputs(state, **commands,
-                                  oil_temperature=inputs['oil_temperature'])
-            flow = (drive.parameters[INDEX['motor_displacement']] * abs(state[2])
-                    + shown['case_drain_flow'] - shown['pump_flow'])
-            state[0] = np.clip(flow / shown['pump_speed'], 0.0, pump.max_displacement)
+        state[0] = _resting_displacement(drive, state, beginning, commands, inputs)
     state[4] = inputs.get('motor_angle', 0.0)
     state[5] = state[7] = state[13] = state[2]
     if drive.has_flexible_shaft:
@@ -71,6 +122,23 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     state[8] = state[11] = pump.command_of(
         state[0] / drive.parameters[INDEX['displacement_scale']])
     return state
+
+
+def _resting_displacement(drive: Drive, state: np.ndarray, beginning: Beginning | None,
+                          commands: Mapping[str, float], inputs: Mapping[str, float]) -> float:
+    """Return the displacement (m^3/rad) whose flow the hydromotor, leaks and oil volume take."""
+    state, rise = state.copy(), 0.0
+    if beginning and 'motor_speed' in beginning.resting:
+        state[2], rise = beginning.resting['motor_speed'], beginning.rise
+        state[1] = beginning.resting.get('pump_outlet_pressure', state[1])
+    state[0] = 0.0
+    if abs(state[2]) <= 0.2:
+        return 0.0
+    shown = drive.outputs(state, **commands, oil_temperature=inputs['oil_temperature'])
+    values = drive.parameters
+    flow = (values[INDEX['motor_displacement']] * abs(state[2]) + shown['case_drain_flow']
+            - shown['pump_flow'] + values[INDEX['volume']] / values[INDEX['bulk_modulus']] * rise)
+    return float(np.clip(flow / shown['pump_speed'], 0.0, drive.rig.pump.max_displacement))
 
 
 def resting(model: PartModel, known: Mapping[str, np.ndarray],
