@@ -113,6 +113,7 @@ def _left_out(log: LogComparison) -> list[str]:
         seconds = sum(span.end - span.start for span in more)
         spans.append(f'and {seconds:.0f} s in {len(more)} more')
     lines = [f'{log.run.name}: {"; ".join(spans)}'] if spans else []
+    lines += [f'{log.run.name}: {name}, of which no row can be judged' for name in log.unjudged]
     return lines + [f'{log.run.name}: {why} would take {100 * share:.0f} % of the log: judged, too'
                     for why, share in log.judged.kept.items()]
 

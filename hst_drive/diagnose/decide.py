@@ -28,11 +28,12 @@ from hst_drive.diagnose.strangers import beside, strangers, without
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.measure.useful import refuse_useless
+from hst_drive.measure.useful import refuse_unjudged, refuse_useless
 from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 import numpy as np
 
+_SHORT = 10.0           # s that a recording should have at least
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
 _MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
@@ -67,6 +68,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     sheet = campaign.errors(Model())
     if not campaign.ratios(sheet, True):
         sources = ', '.join(run.source for run in (*runs, *holdout))
+        if sum(float(np.ptp(run.time)) for run in (*runs, *holdout)) > _SHORT:
+            refuse_unjudged(sources, campaign.signals)
         raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
                          'record at least 10 s, better a minute')
     names = campaign.candidates()

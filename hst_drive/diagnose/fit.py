@@ -186,6 +186,8 @@ def _deepest(campaign: Campaign, plain: Fit) -> Fit:
     """
     unknowns = Unknowns(campaign, plain.model)
     vector = unknowns.pack(plain.model)
+    if not len(vector):
+        return plain
 
     def at(place: int, end: float) -> tuple[float, Model]:
         moved = vector.copy()

@@ -17,7 +17,8 @@ from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.measure.useful import missing_rows, refuse_starved, refuse_still
+from hst_drive.measure.useful import (missing_rows, refuse_starved, refuse_still,
+                                      refuse_unjudged)
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
@@ -50,7 +51,8 @@ class LogComparison(NamedTuple):
 
     ``delays`` is how late each measured signal was found, s; ``shift`` the delay that all have in
     common, by which the commands were moved; ``judged`` says which samples the errors count.
-    Of a log that was compared in ``sections``, ``run`` and ``model`` hold a part of the samples.
+    Of a log that was compared in ``sections``, ``run`` and ``model`` hold a part of the samples;
+    of the signals ``unjudged`` no row can be judged.
     """
 
     run: Run
@@ -60,6 +62,7 @@ class LogComparison(NamedTuple):
     shift: float
     judged: Judged
     sections: Sections | None = None
+    unjudged: tuple[str, ...] = ()
 
     @property
     def sample_time(self) -> float:
@@ -146,6 +149,12 @@ def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False
         floor['pump_command'] = _command_floor(drive, run, noise['pump_command'],
                                                floor.get('motor_speed', 0.0))
     log = LogComparison(run, model, {}, {}, shift, count)
+    unjudged = tuple(name for name in model
+                     if not np.isfinite(model[name] + log.measured(name)).any())
+    model = {name: values for name, values in model.items() if name not in unjudged}
+    if not model:
+        refuse_unjudged(run.source, unjudged)
+    log = log._replace(model=model, unjudged=unjudged)
     delays = {name: _delay(run.time, model[name], log.measured(name), floor[name])
               for name in model}
     signals = {name: summarise(model[name], log.measured(name), CHANNELS[name].unit,

@@ -3,7 +3,7 @@
 """Recordings that tell nothing: readings that stand still, a drive at rest, rows too far apart."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+from typing import Mapping, NoReturn, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
@@ -57,6 +57,13 @@ def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
             raise InputError(f'{source}: {name} is missing in {count} of {rows} rows; expected it '
                              f'in at least {100 * (1 - _STARVED):.0f} %: check its stamps, its '
                              'column or its topic, or give the part of the log that has it')
+
+
+def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
+    """Raise InputError where no row of the signals that were measured can be judged."""
+    raise InputError(f'{source}: no row of {", ".join(names)} can be judged: each is missing, or '
+                     'the drive rests or turns slower than 0.5 rad/s (5 rpm); record it turning, '
+                     'or give speed and torque of a faster shaft')
 
 
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:

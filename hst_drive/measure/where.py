@@ -42,7 +42,7 @@ def operating_variables(run: Run) -> dict[str, np.ndarray]:
     width = max(0.1 / run.sample_time, 0.5)
     found = {}
     for name in _VARIABLES:
-        if name in run:
+        if name in run and np.isfinite(run[name]).any():
             values = run[name]
             bad = ~np.isfinite(values)
             if bad.any():
