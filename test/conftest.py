@@ -35,7 +35,8 @@ NEEDS = {
                      'diagnose/test_orders.py', 'diagnose/test_pairs.py',
                      'diagnose/test_phases.py',
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
-                     'diagnose/test_shapes.py', 'diagnose/test_strangers.py'), ('numba',)),
+                     'diagnose/test_shapes.py', 'diagnose/test_standing.py',
+                     'diagnose/test_strangers.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
