@@ -13,7 +13,7 @@ from hst_drive.diagnose.causes import one_cause, strained
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import CLEAN_FITTED, excess
+from hst_drive.diagnose.judge import excess
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
@@ -23,7 +23,8 @@ from hst_drive.diagnose.result import (
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import limits, sentence, times
-from hst_drive.diagnose.strangers import beside, strangers, without
+from hst_drive.diagnose.standing import forms, standing, without
+from hst_drive.diagnose.strangers import beside, strangers
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -33,7 +34,6 @@ from hst_drive.rig import Rig
 import numpy as np
 
 _LIKELIER = 5.0         # natural logarithm of how much likelier an effect makes what was measured
-_MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
 def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
@@ -73,17 +73,15 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = plainer(search, pair_instead(search, search.run()))
+    best = standing(search, plainer(search, pair_instead(search, search.run())))
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
         best = search.baseline
     better = strangers(search, best)
-    best = without(search, best, better)
+    if better:
+        best = standing(search, without(search, best, better))
     left = search.unexplained(best)
-    if left and best.names and not _carries(search, best):
-        best = search.baseline
-        left = search.unexplained(best)
     more = more or (None if better else beside(search, best, left))
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
@@ -100,7 +98,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
-    found = intervals(campaign, best.fit) if best.names else {}
+    found = intervals(campaign, best.fit, forms(search, best)) if best.names else {}
     effects = tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
@@ -140,19 +138,6 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
 
 def _unit(effect: str, key: str) -> str:
     return catalogue(everything=True)[effect].parameter(key).unit
-
-
-def _carries(search: Search, best: Candidate) -> bool:
-    """Say whether effects found beside an unknown remove the better part of the error."""
-    return any(_fallen(search.campaign.ratios(search.base.errors, held_out),
-                       search.campaign.ratios(best.fit.errors, held_out))
-               for held_out in (True, False))
-
-
-def _fallen(before: dict[str, float], after: dict[str, float]) -> bool:
-    return any(before[name] > CLEAN_FITTED and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
-               * (before[name]**2 - 1) for name in before) \
-        and excess(after) < (1 - _MAIN_SHARE) * excess(before)
 
 
 def _order(search: Search, best: Candidate) -> list[str]:
