@@ -122,6 +122,12 @@ class Campaign:
         return [name for name, effect in catalogue().items()
                 if name not in self.rig.effects and effect.searched in self.searched]
 
+    def doubles(self, name: str) -> list[str]:
+        """Return effects at the same place that are not searched: others can take their form."""
+        return [other for other, effect in catalogue().items()
+                if other not in self.rig.effects and effect.slot == catalogue()[name].slot
+                and effect.searched not in ('never', *self.searched)]
+
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""
         channels = catalogue()[name].shows_in

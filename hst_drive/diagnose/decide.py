@@ -13,7 +13,7 @@ from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import CLEAN_FITTED, excess
+from hst_drive.diagnose.judge import excess
 from hst_drive.diagnose.limits import relieves
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.odd_log import odd_log, several_drives
@@ -24,7 +24,8 @@ from hst_drive.diagnose.result import (
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import limits, listed, sentence, times
-from hst_drive.diagnose.strangers import beside, strangers, without
+from hst_drive.diagnose.standing import forms, standing, without
+from hst_drive.diagnose.strangers import beside, strangers
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -35,7 +36,6 @@ import numpy as np
 
 _SHORT = 10.0           # s that a recording should have at least
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
-_MAIN_SHARE = 0.5       # of the excess error: what an effect must remove beside an unknown
 
 
 def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
@@ -77,17 +77,15 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = plainer(search, pair_instead(search, search.run()))
+    best = standing(search, plainer(search, pair_instead(search, search.run())))
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
         best = search.baseline
     better = strangers(search, best)
-    best = without(search, best, better)
+    if better:
+        best = standing(search, without(search, best, better))
     left = search.unexplained(best)
-    if left and best.names and not _carries(search, best):
-        best = search.baseline
-        left = search.unexplained(best)
     more = more or (None if better else beside(search, best, left))
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
@@ -104,12 +102,13 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     instead = [] if best.names or left or remaining or doubt else _instead_of_limits(search)
     limited = _at_limits(campaign, best.fit)
     if instead:
-        best = search.refine(instead[0])
+        best = standing(search, search.refine(instead[0]))
+        instead = instead if best.names else []
     order = _order(search, best)
     rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)} \
         if instead else {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
-    found = intervals(campaign, best.fit) if best.names else {}
+    found = intervals(campaign, best.fit, forms(search, best)) if best.names else {}
     effects = tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
@@ -149,19 +148,6 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
 
 def _unit(effect: str, key: str) -> str:
     return catalogue(everything=True)[effect].parameter(key).unit
-
-
-def _carries(search: Search, best: Candidate) -> bool:
-    """Say whether effects found beside an unknown remove the better part of the error."""
-    return any(_fallen(search.campaign.ratios(search.base.errors, held_out),
-                       search.campaign.ratios(best.fit.errors, held_out))
-               for held_out in (True, False))
-
-
-def _fallen(before: dict[str, float], after: dict[str, float]) -> bool:
-    return any(before[name] > CLEAN_FITTED and (after[name]**2 - 1) < (1 - _MAIN_SHARE)
-               * (before[name]**2 - 1) for name in before) \
-        and excess(after) < (1 - _MAIN_SHARE) * excess(before)
 
 
 def _order(search: Search, best: Candidate) -> list[str]:

@@ -26,6 +26,7 @@ _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
 _FITS = 0.1     # squared error over the floor's
 _END = 0.8 * SIGMAS     # tolerances: near the end of what a factor may be
 _HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
+_AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
 
@@ -280,11 +281,13 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
 
 
 def at_its_end(model: Model, name: str) -> bool:
-    """Say whether a parameter that shapes an effect, not its size, sits at a bound."""
-    # None and all of something (a share) are as plausible as what lies between.
-    shapes = [entry for entry in catalogue(everything=True)[name].parameters[1:]
-              if not entry.fixed and entry.neutral not in (entry.low, entry.high)
-              and (entry.unit, entry.low, entry.high) != ('1', 0.0, 1.0)]
-    return any(value <= entry.low * (1 + 1e-6) or value >= entry.high * (1 - 1e-6)
-               for entry in shapes
-               for value in [model.effects[name].get(entry.name, entry.neutral)])
+    """Say whether a parameter of an effect sits at an end of what is plausible on a machine."""
+    for place, entry in enumerate(catalogue(everything=True)[name].parameters):
+        ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
+        # The ends of a bare number that shapes an effect may be other forms of it, those of a
+        # share none and all: as plausible as what lies between.
+        form = place > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
+        if not entry.fixed and not form and any(
+                abs(value - end) <= _AT_END * abs(end) for end in ends if end != entry.neutral):
+            return True
+    return False

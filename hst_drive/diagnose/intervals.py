@@ -5,13 +5,15 @@ How sure the fitted sizes are: 95 % intervals that know that errors are correlat
 
 The sandwich estimator over blocks (H. White, Econometrica 50, 1982; blocks of two seconds as
 clusters) replaces the naive covariance, which takes every sample as independent and is far too
-narrow. A share of the effect's own size is added for its functional form, and what the unit's
-tables do between their points to what its tolerances leave open.
+narrow. Added are a share of the effect's own size for its functional form, what the unit's tables
+do between their points, and what shapes that took their usual values leave open.
 """
 from __future__ import annotations
 
+from typing import Mapping, NamedTuple
+
 from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.fit import differences, Fit
 from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
@@ -21,33 +23,65 @@ _BETWEEN_POINTS = 1.0
 _FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
 
 
-def intervals(campaign: Campaign, fitted: Fit,
+class Spread(NamedTuple):
+    """What is known of a fit's unknowns: their vector and its covariance, each in its scale."""
+
+    unknowns: Unknowns
+    vector: np.ndarray
+    covariance: np.ndarray
+
+
+def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}) -> Spread:
+    """
+    Return how far the unknowns of a fit may be off, shapes that it kept among them.
+
+    ``forms`` are the shares of effects by which they may be off their formulas, if more than
+    usual.
+    """
+    unknowns = Unknowns(campaign, fitted.model)
+    vector = unknowns.pack(fitted.model)
+    jacobian = _whole(campaign, fitted, unknowns, vector)
+    unit = np.arange(len(vector)) < unknowns.factors
+    above, below = unknowns.high - vector, unknowns.low - vector
+    # Anywhere within its bounds a parameter is as plausible: the mean square from where it is.
+    prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
+    inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
+    residual = campaign.training(fitted.errors)
+    meat = np.diag(np.where(unit, 1.0 + _BETWEEN_POINTS, prior))
+    for rows in _clusters(campaign):
+        push = jacobian[rows].T @ residual[rows]
+        meat += np.outer(push, push)
+    covariance = inverse @ meat @ inverse
+    for name in fitted.model.effects:
+        own = np.array([effect == name for effect, _ in unknowns.names]) * vector
+        covariance += max(_FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
+    # What moves nothing is not known at all: a deviation of ten times its range.
+    still = ~jacobian.any(axis=0)
+    covariance[still, still] = (10.0 * (above - below)[still])**2
+    return Spread(unknowns, vector, covariance)
+
+
+def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
+           vector: np.ndarray) -> np.ndarray:
+    """Return the Jacobian with the columns of what the fit kept as it was."""
+    known = dict(zip(fitted.names, fitted.jacobian.T))
+    kept = [place for place, name in enumerate(unknowns.names) if name not in known]
+    added = differences(campaign, unknowns, vector, fitted.errors, kept,
+                        lambda moved: campaign.errors(unknowns.unpack(moved), to_fit=True))
+    known.update(zip((unknowns.names[place] for place in kept), added.T))
+    return np.column_stack([known[name] for name in unknowns.names])
+
+
+def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
               level: float = 0.95) -> dict[tuple[str, str], tuple[float, float]]:
     """
     Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.
 
-    Factors of the unit are natural logarithms. Bounds of the parameters are kept.
+    Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
+    see ``spread``.
     """
-    unknowns = Unknowns(campaign, fitted.model)
-    unknowns = Unknowns(campaign, fitted.model, {*unknowns.names} - {*fitted.names})
-    jacobian = fitted.jacobian
-    residual = campaign.training(fitted.errors)
-    count = jacobian.shape[1]
-    normal = jacobian.T @ jacobian
-    normal[np.arange(unknowns.factors), np.arange(unknowns.factors)] += 1.0
-    inverse = np.linalg.pinv(normal)
-    meat = np.zeros((count, count))
-    for rows in _clusters(campaign):
-        push = jacobian[rows].T @ residual[rows]
-        meat += np.outer(push, push)
-    meat[np.arange(unknowns.factors), np.arange(unknowns.factors)] += 1.0 + _BETWEEN_POINTS
-    deviation = np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
-    vector = unknowns.pack(fitted.model)
-    deviation = np.hypot(deviation, _FORM * np.abs(vector) * (
-        np.arange(count) >= unknowns.factors))
-    # What moves nothing is not known at all.
-    deviation[~jacobian.any(axis=0)] = np.inf
-    width = norm.ppf(0.5 + level / 2) * deviation
+    unknowns, vector, covariance = spread(campaign, fitted, forms)
+    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(covariance))
     # At a bound to the last digit: who reads it compares them.
     low = np.where(vector - width > unknowns.low, (vector - width) * unknowns.scale,
                    unknowns.bounds[:, 0])

@@ -16,8 +16,13 @@ from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
+from hst_drive.effects.base import arguments
 import numpy as np
 from scipy.optimize import lsq_linear
+
+# What an effect may read that a replay takes from a recording: the channel that it comes from.
+_FROM = {'oil_temperature': 'oil_temperature', 'viscosity_ratio': 'oil_temperature',
+         'motor_angle': 'motor_speed'}
 
 
 class Visibility(NamedTuple):
@@ -75,10 +80,18 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         smallest = abs(size.typical) * _smallest(move, factors, normal, room, grams)
         limit = max(abs(size.low), abs(size.high))
-        reason = '' if smallest <= limit else \
+        reason = '' if smallest <= limit else unread(campaign, name) or \
             'these logs do not exercise it beyond what the unit may differ'
         found.append(Visibility(name, float(smallest), reason))
     return found
+
+
+def unread(campaign: Campaign, name: str) -> str:
+    """Say which channel an effect follows that no log has; empty if there is none."""
+    missing = sorted({_FROM[entry] for _, function in catalogue()[name].terms
+                      for entry in arguments(function) if entry in _FROM and not any(
+                          _FROM[entry] in replay.run for replay in campaign.replays)})
+    return f'needs the channel {" and ".join(missing)}' if missing else ''
 
 
 def _smallest(move: np.ndarray, factors: np.ndarray, normal: np.ndarray,

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from hst_drive.diagnose.judge import AT_NOISE, CLEAN_FITTED, contribution, SIGNIFICANT
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.standing import standing
 
 _SINGLES = 6        # that are combined, the best ones
 _FORM = 0.05        # of what an effect does: less is left by another formula of it
@@ -26,7 +27,7 @@ def pair_instead(search: Search, best: Candidate) -> Candidate:
         return best
     pairs = sorted((pair for single in search.singles()[:_SINGLES]
                     for pair in search.extend(single)), key=lambda item: item.score)
-    pair = search.refine(pairs[0]) if pairs else best
+    pair = standing(search, search.prune(search.refine(pairs[0]))) if pairs else best
     ratios = [search.campaign.ratios(pair.fit.errors, held_out) for held_out in (False, True)]
     gains = [search.gain(best, pair, held_out) for held_out in (False, True)]
     clean = all(value <= AT_NOISE for found in ratios for value in found.values())

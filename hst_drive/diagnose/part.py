@@ -7,6 +7,7 @@ from typing import Sequence
 
 from hst_drive.diagnose.campaign import (
     BLOCK, Campaign, EVENTS, Model, SETTLE)
+from hst_drive.diagnose.observable import unread
 from hst_drive.effects import catalogue
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.part import PartReplay
@@ -94,7 +95,7 @@ class PartCampaign(Campaign):
         if self._moves(Model({name: self.typical(name)}, {})):
             return ''
         enters = catalogue()[name].enters
-        return f'enters no balance that these channels close ({enters})'
+        return unread(self, name) or f'enters no balance that these channels close ({enters})'
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters to start from; one that moves nothing here stays neutral."""

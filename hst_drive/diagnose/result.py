@@ -26,7 +26,7 @@ class Value(NamedTuple):
 def not_known(low: float, high: float, parameter: Parameter) -> str:
     """Say why an interval of a parameter, SI, tells nothing; empty if it does."""
     if low >= high:
-        return 'usual value' if parameter.usual else 'not fitted'
+        return 'not fitted'
     if low <= parameter.low and high >= parameter.high:
         return 'not determined'
     return ''

@@ -67,8 +67,8 @@ class Search:
         self.base = calibrated(campaign)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
-        self._known: dict[tuple[str, ...], Candidate] = {}
         self.baseline = Candidate((), self.base, self.score(self.base))
+        self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
 
     def score(self, fitted: Fit) -> float:
         """Return the held-out squared error plus what the priors ask; lower is better."""
@@ -208,7 +208,7 @@ class Search:
             before = candidate.fit.cost
             found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
             candidate = self.candidate(candidate.names, found)
-            if found.cost > 0.98 * before or not self.unexplained(candidate):
+            if found.cost > 0.98 * before:
                 break
         return candidate
 

@@ -11,7 +11,7 @@ where the stranger is clearly better, by more than formulas are off machines, th
 """
 from __future__ import annotations
 
-from typing import Callable, Collection, Container, Iterator, NamedTuple
+from typing import Callable, Container, Iterator, NamedTuple
 
 from hst_drive.diagnose.answers import (
     Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
@@ -23,6 +23,7 @@ from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.standing import without
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
 import numpy as np
@@ -116,15 +117,6 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
     more = f'leaves {share_of(gained)}' if gained else 'explains as much alone'
     return dict.fromkeys(names, Stranger(
         f'together come near, but {trial.what} in their place {more}', unknown))
-
-
-def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
-    """Return the fit without some of the effects of a set."""
-    kept = tuple(name for name in best.names if name not in out)
-    if not kept or not out:
-        return best if kept else search.baseline
-    start = Model({name: best.fit.model.effects[name] for name in kept}, best.fit.model.factors)
-    return search.refine(search.try_all([(kept, start)], 'taking effects out')[0])
 
 
 def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:

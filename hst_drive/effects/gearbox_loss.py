@@ -18,7 +18,8 @@ EFFECT = Effect(
     parameters=(
         Parameter('fraction', '1', 0.0, 0.6, 0.06,
                   'lost torque over the torque of the loading pump'),
-        Parameter('no_load', 'N.m', 0.0, 500.0, 3.0,
+        # At most about a rated load: a gear that takes more when idle than under load is dragging.
+        Parameter('no_load', 'N.m', 0.0, 200.0, 3.0,
                   'load that costs as much as the gear takes without load'),
     ),
     telltale="Pressure and measured torque are both higher than the loading pump's pressure "

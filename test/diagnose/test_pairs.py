@@ -47,3 +47,13 @@ def test_of_effects_that_look_alike_the_plainer_comes_first(hidden, form, first)
     best = search.refine(search.single('back_pressure'))
     assert not search.unexplained(best)
     assert plainer(search, best).names == (first,)
+
+
+@pytest.mark.needs_numba
+def test_two_that_take_a_place_are_both_needed():
+    """What was found is wrong; one effect in its place explains all, and any beside it nothing."""
+    made = make_campaign(3702041, {'hydrodynamic_drag': {'size': 1.4, 'form': 'square'}}, **UNIT)
+    search = Search(Campaign(*as_runs(made)), (
+        'compressibility_flow', 'hydrodynamic_drag', 'viscous_drag'))
+    wrong = search.refine(search.single('viscous_drag'))
+    assert pair_instead(search, wrong).names == ('hydrodynamic_drag',)
