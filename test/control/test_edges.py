@@ -301,3 +301,23 @@ def test_the_ramp_begins_at_the_fault_and_ends_for_good():
     watch.end(10.5)
     assert watch.ramp(10.575, 8.0) == pytest.approx(2.0)
     assert watch.ramp(11.0, 8.0) == 0.0 and watch.ramp(12.0, 8.0) == 0.0
+
+
+def test_the_defaults_at_their_edges():
+    assert Readings().give(29.9) == [True] and Readings().give(30.1) == [False]
+    assert Readings().give(*[10.0] * 66) == [True] * 65 + [False], 'frozen for more than 1 s'
+    for error, fault in ((2.9, None), (3.1, 'following_error')):
+        watch = Supervisor(SafetySettings())
+        for step in range(round(5.1 / STEP)):
+            assert watch.fault is None or step * STEP > 5.0
+            watch.lags(step * STEP, 4.0, 4.0 - error, 10.0)
+        assert (watch.fault.kind if watch.fault else None) == fault
+
+
+def test_a_fault_says_what_it_is_and_what_was_found():
+    watch = Supervisor(SafetySettings())
+    watch.end(1.0)
+    assert str(watch.fault) == 'shutdown: the controller is being ended'
+    watch.press('topic', True, 2.0)
+    assert str(watch.fault) == 'emergency_stop: emergency stop (by topic)'
+    assert watch.fault.time == 2.0
