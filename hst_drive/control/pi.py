@@ -22,6 +22,7 @@ class PiController:
     This order (forward rule: the error enters the integral after the command is formed, and
     the command holds until the next sample) is the one that the rig's recordings follow: their
     first command is ``kp * e`` alone. The controller reads the speed with its sensor noise.
+    Where another time than ``sample_time`` has passed, the integral has that time of the error.
 
     Parameters
     ----------
@@ -101,9 +102,9 @@ class PiController:
         self.command = self.u_clamp_min if output is None else self._clip(float(output))
         self._bumpless = output is not None
         self._ramped: float | None = None
-        self._error = 0.0
+        self._error = self._late_rate = 0.0
 
-    def update(self, setpoint: float, measured: float) -> float:
+    def update(self, setpoint: float, measured: float, elapsed: float | None = None) -> float:
         """
         Return the command for this sample, V.
 
@@ -112,11 +113,16 @@ class PiController:
         setpoint, measured : float
             Speeds, rad/s. If either is not finite (a sensor that dropped out), the last
             command is held and the integral stays.
+        elapsed : float, optional
+            Time since the last update, s; default: the sample time.
 
         """
         if not (math.isfinite(setpoint) and math.isfinite(measured)):
             return self.command
-        setpoint = self._limit_rate(setpoint, measured)
+        elapsed = self.sample_time if elapsed is None else elapsed
+        # The last update has integrated over one sample time.
+        self.integral += self._late_rate * (elapsed - self.sample_time)
+        setpoint = self._limit_rate(setpoint, measured, elapsed)
         error = self._error = setpoint - measured
         direct = self.kp * error
         if self.feed_forward is not None:
@@ -126,7 +132,11 @@ class PiController:
             self._bumpless = False
         raw = direct + self.integral
         self.command = self._clip(raw)
-        self.integral += self._integral_rate(error, raw - self.command) * self.sample_time
+        excess = raw - self.command
+        self.integral += self._integral_rate(error, excess) * self.sample_time
+        # The time beyond it draws nothing back: longer than the time constant it would overshoot.
+        winds_up = error * excess > 0.0 and self.antiwindup_strategy != 'none'
+        self._late_rate = 0.0 if winds_up else self.ki * error
         return self.command
 
     def retune(self, kp: float, ki: float) -> None:
@@ -157,10 +167,10 @@ class PiController:
             return self.ki * error - excess / self.tracking_time_constant
         return self.ki * error if error * excess < 0.0 else 0.0
 
-    def _limit_rate(self, setpoint: float, measured: float) -> float:
+    def _limit_rate(self, setpoint: float, measured: float, elapsed: float) -> float:
         if self.setpoint_rate_limit is None:
             return setpoint
         before = measured if self._ramped is None else self._ramped
-        step = self.setpoint_rate_limit * self.sample_time
+        step = self.setpoint_rate_limit * elapsed
         self._ramped = min(max(setpoint, before - step), before + step)
         return self._ramped

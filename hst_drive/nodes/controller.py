@@ -12,66 +12,32 @@ from hst_drive.control.safety import RUNNING, STOPPED
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync
 from hst_drive.nodes.base import DriveNode, main as run_node
+from hst_drive.nodes.controller_parameters import PARAMETERS
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, OK, WARN
 from hst_drive.nodes.endpoints import BILLION
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.pace import Pace
 from hst_drive.nodes.stopping import StopInputs
 from rcl_interfaces.msg import SetParametersResult
 
 _MODES = ('closed_loop', 'open_loop')
 _STATUS_PERIOD = 1.0
-_DEFAULTS = SafetySettings()
+_PATIENCE = 1.25   # sample times without a reading after which the last one is used once more
+_SELDOM = 0.6      # of the rate that the sample time asks for: readings below it are told
 
 
 class Controller(DriveNode):
     """
     Answers every speed reading with a pump command.
 
-    A new command is formed once per sample time; readings that come faster are answered with
-    the command that holds. A fault (``hst_drive.control.safety``) brings the command to 0 V on a
-    ramp, at the readings' pace in lockstep, else at its own; /diagnostics says why.
+    A new command is formed once per sample time, in real time with the last reading if no new
+    one has come; readings that come faster are answered with the command that holds. A fault
+    (``hst_drive.control.safety``) brings the command to 0 V on a ramp, at the readings' pace in
+    lockstep, else at its own; /diagnostics says why.
     """
 
     role = 'controller'
     _command = 0.0
-    parameters = (
-        Parameter('mode', 'closed_loop', 'closed_loop: PI on the speed; open_loop: pass the '
-                  'manual command on'),
-        Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
-                  'one there is'),
-        Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
-        Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
-        Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
-        Parameter('u_clamp_min', 0.0, 'smallest command', 'V', 0.0, 10.0),
-        Parameter('u_clamp_max', 10.0, 'largest command', 'V', 0.0, 10.0),
-        Parameter('start_command', -1.0, 'first command, for a bumpless start; -1: none', 'V',
-                  -1.0, 10.0),
-        Parameter('antiwindup_strategy', 'conditional_integration',
-                  'conditional_integration, back_calculation or none'),
-        Parameter('feedback_timeout', _DEFAULTS.feedback_timeout, 'longest time without a usable '
-                  'speed reading', 's', 0.002, 60.0),
-        Parameter('setpoint_timeout', _DEFAULTS.setpoint_timeout, 'longest time without a set '
-                  'point or manual command; 0: the last one holds', 's', 0.0, 3600.0),
-        Parameter('stamp_tolerance', _DEFAULTS.stamp_tolerance, 'largest difference between the '
-                  "readings' stamps and the clock; 0: not judged", 's', 0.0, 3600.0),
-        Parameter('frozen_timeout', _DEFAULTS.frozen_timeout, 'longest time with the very same '
-                  'reading other than 0; 0: not judged', 's', 0.0, 3600.0),
-        Parameter('bad_readings', _DEFAULTS.bad_readings, 'so many bad readings in a row stop the '
-                  'drive', low=1, high=1000),
-        Parameter('speed_limit', _DEFAULTS.speed_limit, 'readings and set points beyond it are '
-                  'wrong', 'rad/s', 0.1, 1e4),
-        Parameter('acceleration_limit', _DEFAULTS.acceleration_limit, 'readings that change '
-                  'faster are wrong', 'rad/s^2', 1.0, 1e7),
-        Parameter('following_error_limit', _DEFAULTS.following_error_limit, 'largest difference '
-                  'between set point and speed that may last', 'rad/s', 0.01, 1e4),
-        Parameter('following_error_timeout', _DEFAULTS.following_error_timeout, 'longest time '
-                  'with a larger one, while the command is at its limit or moves on; 0: not '
-                  'judged', 's', 0.0, 3600.0),
-        Parameter('stop_time', _DEFAULTS.stop_time, 'ramp from the largest command to 0 V', 's',
-                  0.01, 60.0),
-        Parameter('emergency_stop_time', _DEFAULTS.emergency_stop_time, 'the same for an '
-                  'emergency stop', 's', 0.01, 60.0),
-    )
+    parameters = PARAMETERS
 
     def __init__(self):
         super().__init__()
@@ -92,7 +58,7 @@ class Controller(DriveNode):
                 (settings['u_clamp_min'], settings['u_clamp_max']),
                 antiwindup_strategy=settings['antiwindup_strategy'])
             self._watch = Supervisor(
-                SafetySettings(**{name: settings[name] for name in vars(_DEFAULTS)}),
+                SafetySettings(**{name: settings[name] for name in vars(SafetySettings())}),
                 (settings['u_clamp_min'], settings['u_clamp_max']),
                 manual=settings['mode'] == 'open_loop')
             if before:
@@ -103,15 +69,15 @@ class Controller(DriveNode):
             self._law.reset(settings['start_command'])
         self._manual = settings['mode'] == 'open_loop'
         self._wanted = 'manual_pump_command' if self._manual else 'speed_setpoint'
-        self._sample_time = round(settings['sample_time'] * BILLION)
-        self._last: int | None = None
+        self._pace = Pace(round(settings['sample_time'] * BILLION), on_grid=self.lockstep)
         self._command = self._law.command
         self._reading: tuple[int, float] | None = None
         self._setpoint: float | None = None
         self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
-        self._usable = True
         self._told: str | None = None
         self._ended = False
+        self._counted: tuple[float, dict[str, int]] = 0.0, {}
+        self._rates: dict[str, float] = {}
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -124,8 +90,9 @@ class Controller(DriveNode):
         self._stops = StopInputs(self, self._press, self._reset)
         super().activate()
         if not self.lockstep:
-            self.create_timer(self.settings['sample_time'], self._supervise, clock=self._wall)
-            self.create_timer(_STATUS_PERIOD, self._tell, clock=self._wall)
+            self._timer = self.create_timer(
+                self.settings['sample_time'], self._supervise, clock=self._wall)
+            self.create_timer(_STATUS_PERIOD, self._look, clock=self._wall)
 
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""
@@ -164,11 +131,13 @@ class Controller(DriveNode):
     def _measured(self, stamp: int, values: tuple[float, ...]) -> None:
         now = self._seconds(stamp)
         clock = None if self.lockstep else self.now() / BILLION
-        self._usable = self._watch.feedback(now, stamp / BILLION, values[1], clock,
-                                            self.inputs['motor'].refused)
-        self._reading = (stamp, values[1] if self._usable else math.nan)
+        usable = self._watch.feedback(now, stamp / BILLION, values[1], clock,
+                                      self.inputs['motor'].refused)
+        self._reading = (stamp, values[1] if usable else math.nan)
         if not self.lockstep:
-            self._answer(self.now())
+            self._go_on()
+            if self._watch.fault is None:
+                self._wait(_PATIENCE)
         elif stamp in self._setpoints:
             self._take(now, self._setpoints.pop(stamp))
             self._answer(stamp)
@@ -194,34 +163,45 @@ class Controller(DriveNode):
                 self._follow_ramp(stamp)
                 self.answers.done(stamp)
             return
-        read_at, speed = self._reading
-        # Half a sample of slack: readings of a real clock are never quite on their grid.
-        if self._last is None or not 0 <= read_at - self._last <= self._sample_time * 0.5:
-            self._last = self._due(read_at)
-            self._form(self._seconds(stamp), speed)
+        if elapsed := self._pace.due(stamp if self.lockstep else time.monotonic_ns()):
+            self._form(self._seconds(stamp), self._reading[1], elapsed)
         self.outputs['pump_command'].publish(stamp, self._command)
         if self.lockstep:
             self.answers.done(stamp)
 
-    def _form(self, now: float, speed: float) -> None:
+    def _form(self, now: float, speed: float, elapsed: float) -> None:
         """Form a new command; keep the last one if it is none to send."""
         if self._setpoint is None:
             command = self._law.u_clamp_min
         elif self._manual:
             command = self._setpoint
         else:
-            command = self._law.update(self._setpoint, speed)
+            command = self._law.update(self._setpoint, speed, elapsed)
         controls = self._setpoint is not None and not self._manual
         if self._watch.formed(now, command) and not (
                 controls and self._watch.lags(now, self._setpoint, speed, command)):
             self._command = command
 
-    def _supervise(self) -> None:
-        """In real time: look for what is missing, and go down the ramp, whatever comes or not."""
+    def _go_on(self) -> None:
+        """In real time: look for what is missing, and send a command."""
         if not self._ended:
             self._watch.check(self._seconds())
+        self._answer(self.now())
+
+    def _supervise(self) -> None:
+        """In real time: go on without a new reading, or down the ramp, whatever comes or not."""
+        if self._reading and not self._ended:
+            self._go_on()
         if self._watch.fault:
             self._follow_ramp(self.now())
+        self._wait(1.0)
+
+    def _wait(self, samples: float) -> None:
+        """Let the timer come after so many sample times, if no reading puts it off before."""
+        period = round(samples * self._pace.sample_time)
+        if samples > 1.0 or self._timer.timer_period_ns != period:   # else it keeps its own time
+            self._timer.timer_period_ns = period
+            self._timer.reset()
 
     def _follow_ramp(self, stamp: int) -> None:
         out = self.outputs['pump_command']
@@ -239,11 +219,23 @@ class Controller(DriveNode):
         against = self._watch.reset(self._seconds(self._stamp()))
         if not against:
             self._law.reset(self._command)
+            self._pace.restart()
             self._tell()
         return against
 
     def _stamp(self) -> int:
         return self._reading[0] if self.lockstep and self._reading else self.now()
+
+    def _look(self) -> None:
+        """Count how often messages come, once that is known for a whole time, and tell."""
+        now, (since, before) = time.monotonic(), self._counted
+        if now - since < 0.5 * _STATUS_PERIOD:
+            return      # rclpy's timer may come twice where another one is set anew
+        counts = {name: self.inputs[name].received for name in ('motor', self._wanted)}
+        self._rates = {name: (count - before[name]) / (now - since)
+                       for name, count in counts.items() if before.get(name)}
+        self._counted = now, counts
+        self._tell()
 
     def _tell(self, stamp: int | None = None) -> None:
         """Say on /diagnostics how it stands."""
@@ -262,29 +254,29 @@ class Controller(DriveNode):
             message = self._waits() or 'running'
             message += ''.join(f'; {count} nodes publish {name}: only one may'
                                for name, count in crowded.items())
+        asked = 1.0 / self.settings['sample_time']
+        seldom = watch.state == RUNNING and self._rates.get('motor', asked) < _SELDOM * asked
+        if seldom:
+            message += (f"; motor comes {self._rates['motor']:.3g} times a second, sample_time "
+                        f'asks for {asked:.3g}')
         against = watch.causes(self._seconds(self._stamp())) if fault and not ended else ()
         self._diagnostics.publish(
             self._stamp() if stamp is None else stamp,
             f'{self.get_fully_qualified_name()}: safety',
             WARN if ended else ERROR if fault else
-            OK if watch.state == RUNNING and not crowded else WARN, message, {
+            OK if watch.state == RUNNING and not crowded and not seldom else WARN, message, {
                 'state': watch.state, 'fault': fault.kind if fault else '',
                 'found': fault.found if fault else '', 'against_reset': ', '.join(against),
                 'command_v': f'{self._command:.4g}',
                 'at_zero': str(watch.state == STOPPED).lower(),
-                'readings_passed_over': watch.passed_over})
+                'readings_passed_over': watch.passed_over,
+                **{f'{name}_rate_hz': f'{rate:.3g}' for name, rate in self._rates.items()}})
 
     def _waits(self) -> str:
         """Return for which topics it still waits, and what is there of them; '' if for none."""
         topics = [self.inputs[name].found() for name, absent in zip(('motor', self._wanted),
                                                                     self._watch.missing) if absent]
         return f'waiting for {", ".join(topics)}' if topics else ''
-
-    def _due(self, read_at: int) -> int:
-        """Return the grid time of this sample, so that slack does not add up."""
-        if self._last is None or not 0 <= read_at - self._last <= 2 * self._sample_time:
-            return read_at
-        return self._last + self._sample_time
 
 
 def main() -> int:

@@ -213,6 +213,8 @@ class Input:
 
     Attributes
     ----------
+    received : int
+        Messages that could be read until now.
     refused : str
         Why the last message has no numbers, as it does not tell the joint; '' if it does.
 
@@ -226,7 +228,7 @@ class Input:
         self._paths = [field.path for field in topic.fields]
         self._scales = [_scale(field) for field in topic.fields]
         self._layout: Layout | None = None
-        self._joint, self.refused = joint, ''
+        self._joint, self.refused, self.received = joint, '', 0
         self._choice = JointChoice(node.settings[joint]) if joint else None
         self._node = node
         self._log = node.get_logger()
@@ -243,6 +245,7 @@ class Input:
         except MalformedError as error:
             self._log.warning(f'{self.topic.name}: {error}', throttle_duration_sec=5.0)
             return
+        self.received += 1
         self._callback(stamp_of(data), tuple([
             value * factor + offset + shift
             for value, (factor, offset, shift) in zip(values, self._scales)]))

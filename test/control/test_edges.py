@@ -85,6 +85,14 @@ def test_a_reset_needs_so_many_good_readings_and_then_counts_from_nothing():
     assert watch.reset(readings.now) == ['too few good readings yet'], 'one in between: again'
     readings.good(1)
     assert watch.reset(readings.now) == []
+    for many in (3, 7):
+        fresh = Readings(bad_readings=many)
+        fresh.watch.press('topic', True, fresh.now)
+        fresh.watch.press('topic', False, fresh.now)
+        fresh.good(many - 1)
+        assert fresh.watch.reset(fresh.now) == ['too few good readings yet']
+        fresh.good(1)
+        assert fresh.watch.reset(fresh.now) == []
     # What the stop was for does not weigh on the time after it.
     assert readings.give(math.nan, math.nan) == [False, False] and readings.kind is None
     readings.give(math.nan)
@@ -223,18 +231,20 @@ def test_wishes_and_commands_at_their_limits(manual, low, high, unit, kind):
         assert not watch.wish(1.0, bad) and watch.fault.kind == kind
         assert f' {unit}, expected {low:g} to {high:g}' in watch.fault.found
     watch = Supervisor(SafetySettings(), (0.5, 8.0))
+    assert watch.wish(1.0, 20.0), 'rad/s, unless it is told that they are volts'
     assert watch.formed(1.0, 0.5) and watch.formed(1.0, 8.0)
     assert not watch.formed(1.0, math.nextafter(0.5, 0.0))
     assert watch.fault.kind == 'command_invalid'
 
 
-def lagging(error, command=10.0, limits=(0.0, 10.0), seconds=4.0, **settings):
+def lagging(error, command=10.0, limits=(0.0, 10.0), seconds=4.0, setpoint=2.0, **settings):
     """Hold an error and a command for so long; return whether that is a fault."""
     watch = Supervisor(SafetySettings(**{'following_error_limit': 0.5, **settings,
                                          'following_error_timeout': 2.0}), limits)
     for step in range(round(seconds / STEP) + 1):
         now = step * STEP
-        told = watch.lags(now, 2.0, 2.0 - error, command(now) if callable(command) else command)
+        told = watch.lags(now, setpoint, setpoint - error,
+                          command(now) if callable(command) else command)
         assert told == (watch.fault is not None)
         if told:
             return True
@@ -247,6 +257,7 @@ def test_the_following_error_at_its_edges():
     assert not lagging(1.5, following_error_limit=1.5)
     assert lagging(1.5 + STEP, following_error_limit=1.5)
     assert not lagging(2.0, seconds=2.0) and lagging(2.0, seconds=2.0 + STEP)
+    assert lagging(0.75, setpoint=1.0) and not lagging(0.75, 0.0, setpoint=1.0)
 
 
 @pytest.mark.parametrize('error', [1.5, -1.5])
@@ -290,3 +301,23 @@ def test_the_ramp_begins_at_the_fault_and_ends_for_good():
     watch.end(10.5)
     assert watch.ramp(10.575, 8.0) == pytest.approx(2.0)
     assert watch.ramp(11.0, 8.0) == 0.0 and watch.ramp(12.0, 8.0) == 0.0
+
+
+def test_the_defaults_at_their_edges():
+    assert Readings().give(29.9) == [True] and Readings().give(30.1) == [False]
+    assert Readings().give(*[10.0] * 66) == [True] * 65 + [False], 'frozen for more than 1 s'
+    for error, fault in ((2.9, None), (3.1, 'following_error')):
+        watch = Supervisor(SafetySettings())
+        for step in range(round(5.1 / STEP)):
+            assert watch.fault is None or step * STEP > 5.0
+            watch.lags(step * STEP, 4.0, 4.0 - error, 10.0)
+        assert (watch.fault.kind if watch.fault else None) == fault
+
+
+def test_a_fault_says_what_it_is_and_what_was_found():
+    watch = Supervisor(SafetySettings())
+    watch.end(1.0)
+    assert str(watch.fault) == 'shutdown: the controller is being ended'
+    watch.press('topic', True, 2.0)
+    assert str(watch.fault) == 'emergency_stop: emergency stop (by topic)'
+    assert watch.fault.time == 2.0

@@ -51,9 +51,9 @@ class Machine:
                              **{entry.key: entry.value for entry in status.values}}
 
     def tick(self, reading=10.0, wish=19.0, moved=0.0, manual=None, steady=False, others=(),
-             name='drill'):
+             name='drill', lasts=0.01):
         """
-        Send one sample of everything (None: not), and take in what comes.
+        Send one sample of everything (None: not), and take in what comes for so long (s).
 
         A reading may be a function that gives it. ``others`` are joints with speeds of their own
         that come before ours in the message.
@@ -76,7 +76,7 @@ class Machine:
                 message = Vector3Stamped(header=_header(now))
                 message.vector.x = number
                 publisher.publish(message)
-        end = time.monotonic() + 0.01
+        end = time.monotonic() + lasts
         while time.monotonic() < end:
             self.executor.spin_once(timeout_sec=max(0.0, end - time.monotonic()))
 

@@ -119,7 +119,7 @@ def test_real_time_keeps_the_clock(tmp_path):
     counts = Counter(topic.rpartition('/')[2] for topic, _, _ in found)
     # The plant catches up what a busy machine delays: no sample is left out.
     assert counts['motor'] == counts['motor_inlet_flow'] == 200
-    assert counts['pump_command'] <= 200
+    assert counts['pump_command'] >= 100, 'most, on a busy machine'
     times = [time for _, time, _ in found]
     assert times == sorted(times)
     stamps = sorted(int.from_bytes(data[4:8], 'little') * 10**9

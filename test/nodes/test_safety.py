@@ -154,7 +154,8 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
     from geometry_msgs.msg import Vector3Stamped
     from rclpy.qos import QoSProfile, ReliabilityPolicy
     with surroundings('third') as machine:
-        with node('controller', '-r', '__ns:=/third', *TIMES):
+        # Readings that come seldom are told as well: these come often enough for 0.1 s.
+        with node('controller', '-r', '__ns:=/third', *TIMES, '-p', 'sample_time:=0.1'):
             machine.until(lambda: '/third/speed_setpoint (it has a publisher, but no' in
                           machine.told.get('message', ''), wish=None)
             machine.until(lambda: machine.told['message'] == 'running')
