@@ -10,7 +10,8 @@ from bench.frozen.kind import Kind
 from bench.frozen.plant import build, Plant, RPM
 import numpy as np
 
-#: s, step of the solver. Half of it changes no reading by more than 1e-4 of its noise.
+#: s, step of the solver. Half of it changes the readings by less than 1e-4 of their noise; by up
+#: to 0.15 where relief valve, cavitation or a small accumulator make the small rig stiff.
 STEP = 2e-4
 #: How many times its noise the worst signal moves (root mean square over a log), and how often.
 CLASSES = {'small': (1.5, 3.0, 0.2), 'typical': (3.0, 12.0, 0.6), 'strong': (12.0, 40.0, 0.2)}
@@ -137,7 +138,7 @@ class Gauge:
         worst = 0.0
         for log in self.logs:
             before = self.healthy[log]
-            after = before if plant is self.here.base else simulate(
+            after = before if not kind.plant(size) else simulate(
                 self.here, plant, log, [kind], before[::solve.SAMPLE, 0].copy())
             healthy, ill = (self.said(before, log, [], []), self.said(after, log, [kind], [size]))
             for name, values in healthy.items():

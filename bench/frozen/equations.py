@@ -10,11 +10,12 @@ accumulator, wall of a hose that creeps, shaft with two inertias, relief valve w
 import math
 
 from bench.frozen.jit import njit
+from bench.frozen.lookup import along, over, ramp, root, thinner
 import numpy as np
 
 # States.
-(SERVO, LATE, STROKE, STROKE_RATE, PLAY, CREEP, P, P_MOTOR, Q_LINE, W, W_LOAD, TWIST, ANGLE,
- COIL, PPRV, POPPET, BRISTLE, GAS, WALL, SNAP, SHAFT, READ, READ_RATE, STATES) = range(24)
+(SERVO, LATE, STROKE, SWING, SWING_RATE, PLAY, CREEP, P, P_MOTOR, Q_LINE, W, W_LOAD, TWIST, ANGLE,
+ COIL, PPRV, POPPET, BRISTLE, GAS, WALL, SNAP, SHAFT, READ, READ_RATE, STATES) = range(25)
 # What is written down each millisecond.
 (O_U, O_V, O_STROKE, O_P, O_P_MOTOR, O_FLOW, O_DRAIN, O_W, O_TORQUE, O_SHAFT, O_ANGLE, O_P_LOAD,
  O_READ, O_IN, O_OUT, O_NET, O_BULK, OUTPUTS) = range(18)
@@ -23,56 +24,6 @@ ROUGH, OIL, SHAKE = range(3)
 AMBIENT = 1.013e5
 #: rad/s, the datasheet's width of a smooth sign.
 WIDTH = 0.15
-
-
-@njit
-def along(values, top, x):
-    """Look a curve on an even grid from 0 to top up."""
-    at = min(max(x / top, 0.0), 1.0) * (len(values) - 1)
-    i = min(int(at), len(values) - 2)
-    return values[i] + (at - i) * (values[i + 1] - values[i])
-
-
-@njit
-def over(values, top, top_across, x, y):
-    """Look a chart on an even grid up."""
-    at = min(max(x / top, 0.0), 1.0) * (values.shape[0] - 1)
-    across = min(max(y / top_across, 0.0), 1.0) * (values.shape[1] - 1)
-    i = min(int(at), values.shape[0] - 2)
-    j = min(int(across), values.shape[1] - 2)
-    a, b = at - i, across - j
-    low = values[i, j] + b * (values[i, j + 1] - values[i, j])
-    high = values[i + 1, j] + b * (values[i + 1, j + 1] - values[i + 1, j])
-    return low + a * (high - low)
-
-
-@njit
-def ramp(x):
-    """Return x above 0 and 0 below, with a round corner of width 1."""
-    if x > 30.0:
-        return x
-    if x < -30.0:
-        return 0.0
-    return math.log1p(math.exp(x))
-
-
-@njit
-def power(x, exponent):
-    """Return x to an exponent with the sign of x."""
-    return math.copysign(abs(x) ** exponent, x)
-
-
-@njit
-def root(p, density):
-    """Flow speed [m/s] through an orifice; laminar below 0.5 bar."""
-    return p * math.sqrt(2.0 / density) / (p * p + 2.5e9) ** 0.25
-
-
-@njit
-def thinner(oil):
-    """How many times thinner the oil is than at 50 degC (ASTM D341, ISO VG 46)."""
-    x = 10.0 ** (10.0 ** (9.417992555 - 3.684441498 * math.log10(oil + 273.15))) - 0.7
-    return 29.97299 / x
 
 
 @njit
@@ -104,19 +55,19 @@ def actuator(y, dy, u, shake, p, c):
     if p.creep != 0.0:
         dy[CREEP] = (target - y[CREEP]) / p.creep_lag
         target = (1.0 - p.creep) * target + p.creep * y[CREEP]
-    if p.ring > 0.0:
-        dy[STROKE_RATE] = p.ring * (p.ring * (target - y[STROKE])
-                                    - 2.0 * p.ring_damping * y[STROKE_RATE])
-        rate = y[STROKE_RATE]
-    else:
-        rate = (target - y[STROKE]) / p.stroke_lag
-        if rate > 0.0:
-            rate /= p.lag_up
-        limit = p.rate_up if rate > 0.0 else p.rate_down
-        if limit > 0.0:
-            rate /= (1.0 + (abs(rate) / limit) ** p.rate_round) ** (1.0 / p.rate_round)
+    rate = (target - y[STROKE]) / p.stroke_lag
+    if rate > 0.0:
+        rate /= p.lag_up
+    limit = p.rate_up if rate > 0.0 else p.rate_down
+    if limit > 0.0:
+        rate /= (1.0 + (abs(rate) / limit) ** p.rate_round) ** (1.0 / p.rate_round)
     dy[STROKE] = rate
     stroke = y[STROKE]
+    if p.ring > 0.0:
+        dy[SWING] = y[SWING_RATE]
+        dy[SWING_RATE] = p.ring_w * (rate - p.ring_w * y[SWING]
+                                     - 2.0 * p.ring_damping * y[SWING_RATE])
+        stroke += p.ring * y[SWING]
     if p.play > 0.0:
         if p.play_power == 0.0:
             gap = max(stroke - p.play - y[PLAY], 0.0) + min(stroke + p.play - y[PLAY], 0.0)
@@ -267,7 +218,7 @@ def rates(t, y, u, v, outside, p, c, dy, out):
     spilt = relief(y, dy, t, shake, p)
     if p.acc_volume > 0.0:
         gas = (p.acc_p + AMBIENT) * (p.acc_volume / y[GAS]) ** p.acc_power - AMBIENT
-        taken = (pressure - gas) / (2e5 / p.q_nominal)
+        taken = (pressure - gas) * p.q_nominal / 5e5
         if y[GAS] >= p.acc_volume and taken < 0.0:
             taken = 0.0
         dy[GAS] = -taken

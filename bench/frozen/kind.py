@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One thing that is wrong with a machine, with one number that says how much."""
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from bench.frozen.sensors import Fault
 import numpy as np
@@ -44,10 +44,13 @@ class Kind:
         Rows may not be further apart than this.
     effects : tuple of str
         Listed effects that are a true, if partial, name of it.
+    neutral : float
+        The size at which nothing is wrong.
     sizes : tuple of float
         Where only these sizes are possible.
     note : str
         What it is.
+
     """
 
     id: str
@@ -64,5 +67,6 @@ class Kind:
     heavy: bool = False
     slowest_ms: int = 50
     effects: tuple[str, ...] = ()
-    sizes: tuple[float, ...] = field(default=())
+    neutral: float = 0.0
+    sizes: tuple[float, ...] = ()
     note: str = ''

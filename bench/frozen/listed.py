@@ -6,11 +6,12 @@ Effects of EFFECTS.md that the open circuit can have, each with a form of its ow
 Left out: the effects of closed and valve circuits, and gear_backlash (the pump cannot turn the
 hydromotor backwards, so that its play is crossed once, at the start).
 
-Sources: H. E. Merritt, Hydraulic Control Systems, 1967 (orifices, leakage, compliance); J. Ivantysyn
-and M. Ivantysynova, Hydrostatic Pumps and Motors, 2001 (gaps, losses, filling); C. Canudas de Wit
-and others, IEEE Trans. Autom. Control 40 (1995) 419 (LuGre); P. R. Dahl, 1968 (play that bends);
-B. Armstrong-Helouvry and others, Automatica 30 (1994) 1083 (Stribeck); ASTM D341; H. Murrenhoff,
-Fundamentals of Fluid Power (free air, Henry's law); E. Blasius, 1913 (turbulent pipe).
+Sources: H. E. Merritt, Hydraulic Control Systems, 1967 (orifices, leakage, compliance);
+J. Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, 2001 (gaps, losses, filling);
+C. Canudas de Wit and others, IEEE Trans. Autom. Control 40 (1995) 419 (LuGre); P. R. Dahl, 1968
+(play that bends); B. Armstrong-Helouvry and others, Automatica 30 (1994) 1083 (Stribeck); ASTM
+D341; H. Murrenhoff, Fundamentals of Fluid Power (free air, Henry's law); E. Blasius, 1913
+(turbulent pipe).
 """
 from collections.abc import Callable
 
@@ -34,6 +35,7 @@ def _bristles(rng: Rng) -> float:
 
 
 def _sign(rng: Rng) -> float:
+    """Return 1 or -1."""
     return float(rng.choice([-1.0, 1.0]))
 
 
@@ -99,7 +101,7 @@ def pump_rate_limit(rng: Rng, base: Plant) -> Kind:
     ratio, bend = rng.uniform(0.8, 1.25), float(rng.choice([2.0, 4.0, 8.0]))
     return Kind('pump_rate_limit', 'pump_actuator', 0.1, 8.0, lambda s: {
         'rate_up': base.stroke_max / s, 'rate_down': base.stroke_max / s * ratio,
-        'rate_round': bend})
+        'rate_round': bend}, neutral=1e-6)
 
 
 def pump_lag(rng: Rng, base: Plant) -> Kind:
@@ -135,7 +137,7 @@ def hydrodynamic_drag(rng: Rng, base: Plant) -> Kind:
 
 def line_loss(rng: Rng, base: Plant) -> Kind:
     laminar = rng.uniform(0.1, 0.9)
-    form = {'line_on': 1, 'line_inertance': _hose(base) * rng.uniform(0.6, 1.5),
+    form = {'line_on': 1, 'line_inertance': _hose(base) * rng.uniform(0.15, 0.5),
             'line_share': rng.uniform(0.3, 0.7)}
     return Kind('line_loss', 'torque', 5e-4, 0.12, lambda s: {
         'line_laminar': s * laminar * base.p_top,
@@ -176,7 +178,7 @@ def pressure_sensor_bias(rng: Rng, base: Plant) -> Kind:
 
 
 def speed_sensor_lag(rng: Rng, base: Plant) -> Kind:
-    return Kind('speed_sensor_lag', 'sensor', 5e-3, 1.5, lambda s: {'speed_lag': s},
+    return Kind('speed_sensor_lag', 'sensor', 2e-3, 1.5, lambda s: {'speed_lag': s},
                 note='second order, damping 0.8')
 
 
@@ -223,14 +225,14 @@ def constant_torque(rng: Rng, base: Plant) -> Kind:
 
 def line_inertance(rng: Rng, base: Plant) -> Kind:
     form = {'line_on': 1, 'line_share': rng.uniform(0.3, 0.7),
-            'line_laminar': rng.uniform(2e-4, 1e-3) * base.p_top}
+            'line_laminar': 5e-5 * base.p_top}
     return Kind('line_inertance', 'flow', 2.0, 600.0,
-                lambda s: {'line_inertance': s * _hose(base), **form})
+                lambda s: {'line_inertance': s * _hose(base), **form}, neutral=0.1)
 
 
 def accumulator(rng: Rng, base: Plant) -> Kind:
     form = {'acc_p': rng.uniform(0.08, 0.35) * base.p_top, 'acc_power': rng.uniform(1.05, 1.4)}
-    return Kind('accumulator', 'flow', 3e-3, 3.0,
+    return Kind('accumulator', 'flow', 5e-3, 3.0,
                 lambda s: {'acc_volume': s * base.volume, **form})
 
 

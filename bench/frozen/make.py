@@ -17,10 +17,10 @@ VISIBLE = 1.2
 
 
 def deck(names: list[str], seed: int, number: int, salt: int) -> list[str]:
-    """Return the names in a drawn order that goes on from the number-th: each comes in its turn."""
+    """Return the names in a drawn order from the number-th on: each comes in its turn."""
     round_, place = divmod(number, len(names))
-    order = [np.random.default_rng([seed, salt, r]).permutation(names) for r in (round_,
-                                                                                  round_ + 1)]
+    order = [np.random.default_rng([seed, salt, r]).permutation(names)
+             for r in (round_, round_ + 1)]
     return [str(name) for name in np.concatenate(order)[place:]]
 
 

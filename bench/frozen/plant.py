@@ -110,8 +110,9 @@ class Plant(NamedTuple):
     amp_knee: float = 99.0      # V
     amp_loss: float = 0.0
     hold_ms: int = 10           # ms between two values that the amplifier takes over
-    ring: float = 0.0           # rad/s, natural frequency, 0: no second order
-    ring_damping: float = 1.0
+    ring: float = 0.0           # 1, how much the plate swings after a stroke
+    ring_w: float = 30.0        # rad/s
+    ring_damping: float = 0.2
     creep: float = 0.0          # 1, share of a stroke that comes late
     creep_lag: float = 5.0      # s
     # Torque.

@@ -74,15 +74,18 @@ def draw(log: str, rng: np.random.Generator, nominal: float, seconds: float, wid
     log : str
         One of LOGS.
     rng : numpy.random.Generator
+        What is drawn, is drawn from it.
     nominal : float
         Speed [rpm] that the rig drills at.
     seconds : float
+        Length of the log.
     wide : bool
         Oil warms up or cools down.
     roughness, patch : float
         Size (share of the load) and time [s] of the rock's roughness.
     heavy : bool
         Some rock brings the pressure up to three quarters of the relief valve's.
+
     """
     count = int(round(seconds * 1e3 / SAMPLE))
     top = 6.3 if heavy else 4.8

@@ -4,7 +4,7 @@
 Run a log: the controller every 10 ms, the machine between, a row each millisecond.
 
 With numba the machine is stepped by Runge and Kutta's fourth order at 0.1 ms, without by SciPy's
-LSODA (the same within 1e-4 of the noise, some hundred times slower).
+LSODA (the same within a hundredth of the noise, some seventy times slower).
 """
 from bench.frozen import equations as eq
 from bench.frozen.jit import COMPILED, njit
@@ -48,7 +48,7 @@ def _lsoda(y, k, u, v, outside, p, c, steps, states):
     """Do the same with SciPy."""
     seen, tiny = np.empty(eq.OUTPUTS), 1e-7 * np.ones(eq.STATES)
     tiny[[eq.P, eq.P_MOTOR, eq.COIL, eq.PPRV, eq.POPPET]] = 1.0
-    tiny[[eq.STROKE, eq.LATE, eq.PLAY, eq.CREEP, eq.STROKE_RATE]] = 1e-12
+    tiny[[eq.STROKE, eq.LATE, eq.PLAY, eq.CREEP, eq.SWING, eq.SWING_RATE]] = 1e-12
     tiny[[eq.Q_LINE, eq.GAS, eq.WALL]] = 1e-10
 
     def rates(t, state):
@@ -104,6 +104,7 @@ def run(plant, target: np.ndarray, manual: np.ndarray, v: np.ndarray, outside: n
     Parameters
     ----------
     plant : Plant
+        The machine.
     target, manual, v : numpy.ndarray
         Set speed [rad/s], manual pump command [V] (not a number: closed loop), PPRV command [V],
         each every 10 ms.
@@ -120,6 +121,7 @@ def run(plant, target: np.ndarray, manual: np.ndarray, v: np.ndarray, outside: n
     -------
     numpy.ndarray
         A row each millisecond, columns ``equations.O_*``.
+
     """
     v = np.rint(v / COMMAND_STEP) * COMMAND_STEP
     rows = np.empty((len(v) * SAMPLE, eq.OUTPUTS))

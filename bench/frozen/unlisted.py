@@ -41,6 +41,7 @@ def wrong_gear_ratio(rng: Rng, base: Plant) -> Kind:
     sign = rng.choice([-1.0, 1.0])
     return Kind('wrong_gear_ratio', 'load', 2e-3, 0.2,
                 lambda s: {'gear': base.gear * (1 + sign * s)},
+                effects=('gearbox_loss',) if sign > 0 else (),
                 note='the gear has another ratio than its plate says')
 
 
@@ -116,6 +117,7 @@ def relief_flutters(rng: Rng, base: Plant) -> Kind:
             'flutter_hz': rng.uniform(5, 18)}
     return Kind('relief_flutters', 'flow', 2e-3, 0.4,
                 lambda s: {'flutter_q': s * base.q_nominal, **form}, heavy=True,
+                effects=('prv_cracking',),
                 note='pilot of the relief valve flutters beyond a pressure')
 
 
@@ -124,6 +126,7 @@ def relief_snaps(rng: Rng, base: Plant) -> Kind:
     shut = p * rng.uniform(0.5, 0.8)
     return Kind('relief_snaps', 'flow', 2e-3, 0.3, lambda s: {
         'snap_q': s * base.q_nominal, 'snap_open': p, 'snap_shut': shut}, heavy=True,
+        effects=('prv_cracking',),
         note='relief valve opens at a pressure and shuts at a lower one')
 
 
@@ -172,26 +175,25 @@ def amplifier_saturates(rng: Rng, base: Plant) -> Kind:
 def command_held(rng: Rng, base: Plant) -> Kind:
     return Kind('command_held', 'pump_actuator', 30, 500,
                 lambda s: {'hold_ms': int(round(s / 10)) * 10},
-                sizes=(50, 100, 200, 400), effects=('pump_lag',),
+                sizes=(50, 100, 200, 400), neutral=10, effects=('pump_lag',),
                 note='amplifier takes the command over only now and then')
 
 
 def actuator_rings(rng: Rng, base: Plant) -> Kind:
-    damping = rng.uniform(0.08, 0.3)
-    return Kind('actuator_rings', 'pump_actuator', 0.02, 0.6,
-                lambda s: {'ring': 1 / s, 'ring_damping': damping},
+    form = {'ring_w': rng.uniform(10, 45), 'ring_damping': rng.uniform(0.05, 0.25)}
+    return Kind('actuator_rings', 'pump_actuator', 5e-3, 3.0, lambda s: {'ring': s, **form},
                 note='swash plate swings about its place')
 
 
 def strokes_unevenly(rng: Rng, base: Plant) -> Kind:
     return Kind('strokes_unevenly', 'pump_actuator', 1.3, 30.0, lambda s: {'lag_up': s},
-                effects=('pump_lag',), note='on stroke is slower than off stroke')
+                effects=('pump_lag',), neutral=1.0, note='on stroke is slower than off stroke')
 
 
 def swash_creeps(rng: Rng, base: Plant) -> Kind:
     time = rng.uniform(1.5, 8)
     return Kind('swash_creeps', 'pump_actuator', 2e-3, 0.4,
-                lambda s: {'creep': s, 'creep_lag': time},
+                lambda s: {'creep': s, 'creep_lag': time}, effects=('pump_lag',),
                 note='the last part of a stroke comes late')
 
 

@@ -34,7 +34,7 @@ def pressure_drops_bits(rng: Rng, base: Plant) -> Kind:
             code = np.rint(x / step).astype(int)
             return (code & ~(1 << bit)) * step
         return {'pump_outlet_pressure': stuck}
-    return Kind('pressure_drops_bits', 'sensor', 3, 7, word=word, sizes=(4, 5, 6),
+    return Kind('pressure_drops_bits', 'sensor', 3, 7, word=word, sizes=(4, 5, 6), neutral=20,
                 parameters=lambda s: {'bit': int(s)},
                 note='one bit of the converter is always 0')
 
