@@ -14,7 +14,7 @@ from typing import Collection
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, Fit
-from hst_drive.diagnose.intervals import spread, Spread
+from hst_drive.diagnose.intervals import Spread, spread
 from hst_drive.diagnose.judge import AT_NOISE, excess
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue

@@ -60,7 +60,8 @@ def test_a_load_that_does_not_go_with_torque_is_no_gear(among):
     ({'viscous_drag': 1.0}, ('viscous_drag',)),
     ({'viscous_drag': 1.0, 'pump_leakage': 0.5}, ('pump_leakage', 'viscous_drag'))])
 def test_of_two_effects_those_stay_that_are_there(hidden, named):
-    search = Search(Campaign(*as_runs(make_campaign(73, hidden))), ('pump_leakage', 'viscous_drag'))
+    search = Search(Campaign(*as_runs(make_campaign(73, hidden))),
+                    ('pump_leakage', 'viscous_drag'))
     single = search.refine(search.single('viscous_drag'))
     pair = search.refine(search.extend(single)[0])
     assert pair.names == ('pump_leakage', 'viscous_drag')
