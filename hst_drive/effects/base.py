@@ -178,7 +178,8 @@ class Effect:
     gauge : str
         What would measure it by itself, for advice where no channel of a drive does.
     searched : str
-        Where a diagnosis tries it: 'always', only in logs of a part ('parts'), or 'never'.
+        Where a diagnosis searches it: 'always', only in logs of a part ('parts': elsewhere another
+        effect can take its form, and it is tried in that one's place), or 'never'.
 
     Raises
     ------
