@@ -90,9 +90,12 @@ def simulate(here: Setting, plant: Plant, log: str, kinds: list[Kind],
         if kind.shake:
             shake = kind.shake(np.random.default_rng([*here.seed, 5, i]), t)
     angle = np.random.default_rng([*here.seed, 6, i]).uniform(0, 2 * np.pi)
-    return solve.run(plant, given.target, given.manual if command is None else command,
+    rows = solve.run(plant, given.target, given.manual if command is None else command,
                      given.pprv, np.column_stack([given.rough, given.oil, shake]),
                      speed_noise(here, log) * RPM, STEP, angle)
+    if not np.isfinite(rows).all():
+        raise FloatingPointError(f'{log}, seed {here.seed}: the solver lost its way')
+    return rows
 
 
 def with_faults(base: Plant, kinds: list[Kind], sizes: list[float]) -> Plant:

@@ -217,8 +217,9 @@ def rates(t, y, u, v, outside, p, c, dy, out):
     flow = p.motor * w + drain + p.decompress_motor * max(inlet, 0.0) / bulk * p.motor * abs(w)
     spilt = relief(y, dy, t, shake, p)
     if p.acc_volume > 0.0:
-        gas = (p.acc_p + AMBIENT) * (p.acc_volume / y[GAS]) ** p.acc_power - AMBIENT
-        taken = (pressure - gas) * p.q_nominal / 5e5
+        full = p.acc_volume / max(y[GAS], 1e-3 * p.acc_volume)
+        gas = (p.acc_p + AMBIENT) * full ** p.acc_power - AMBIENT
+        taken = (pressure - gas) / p.acc_neck
         if y[GAS] >= p.acc_volume and taken < 0.0:
             taken = 0.0
         dy[GAS] = -taken

@@ -231,9 +231,15 @@ def line_inertance(rng: Rng, base: Plant) -> Kind:
 
 
 def accumulator(rng: Rng, base: Plant) -> Kind:
-    form = {'acc_p': rng.uniform(0.08, 0.35) * base.p_top, 'acc_power': rng.uniform(1.05, 1.4)}
-    return Kind('accumulator', 'flow', 5e-3, 3.0,
-                lambda s: {'acc_volume': s * base.volume, **form})
+    precharge, power = rng.uniform(0.08, 0.35) * base.p_top, rng.uniform(1.05, 1.4)
+
+    def plant(s: float) -> dict:
+        volume = s * base.volume
+        # The neck fills the gas in half a millisecond at the highest pressure, or throttles more.
+        least = volume * (precharge / base.p_top) ** (1 / power) / (power * base.p_top)
+        return {'acc_volume': volume, 'acc_p': precharge, 'acc_power': power,
+                'acc_neck': max(5e5 / base.q_nominal, 5e-4 / max(least, 1e-20))}
+    return Kind('accumulator', 'flow', 5e-3, 3.0, plant)
 
 
 KINDS: dict[str, Callable[[Rng, Plant], Kind]] = {f.__name__: f for f in (

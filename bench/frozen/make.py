@@ -74,12 +74,18 @@ def make(seed: int, index: int, folder: Path, only: str | None = None, **fixed: 
         'parameters': campaign.parameters(here.base, kinds, sizes),
         'enters': [k.enters for k in kinds],
         'note': '; '.join(k.note for k in kinds if k.note),
-        'strength': strength if kinds else '', 'moves': [round(m, 2) for m in moves],
+        'strength': class_of(min(moves)) if kinds else '', 'moves': [round(m, 2) for m in moves],
         'rig': here.sheet['name'], 'unit_on_datasheet': exact(here),
         'row_rate_Hz': 1000 / here.each_ms, 'missing': list(here.missing),
         'seed': seed, 'index': index}
     campaign.write(folder, here, kinds, sizes, truth)
     return truth
+
+
+def class_of(moved: float) -> str:
+    """Return the class of campaign.CLASSES of what moves the worst signal so far."""
+    return next((name for name, (_, high, _) in campaign.CLASSES.items() if moved < high),
+                'strong')
 
 
 def exact(here: campaign.Setting) -> bool:

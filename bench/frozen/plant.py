@@ -83,6 +83,7 @@ class Plant(NamedTuple):
     acc_volume: float = 0.0     # m3
     acc_p: float = 1.0          # Pa, gauge precharge
     acc_power: float = 1.2
+    acc_neck: float = 1e9       # Pa s/m3
     piston_leak: float = 0.0    # m2
     flutter_q: float = 0.0      # m3/s
     flutter_p: float = 1e9      # Pa
