@@ -67,4 +67,5 @@ def test_an_unusual_curve_is_told():
     curve, speeds = catalogue()['stribeck_friction'].function, np.linspace(7.0, 12.0, 6)
     found, expected = ([curve(speed, **values) for speed in speeds] for values in (
         fitted.model.effects['stribeck_friction'], hidden))
-    assert found == pytest.approx(expected, abs=0.5)
+    # 0.2 % of efficiency, which is the unit's own, is 0.6 N m of friction here.
+    assert found == pytest.approx(expected, abs=0.6)
