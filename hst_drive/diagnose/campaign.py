@@ -91,7 +91,9 @@ class Campaign:
         if self.slow():
             self.events = _SLOW_EVENTS
         self.usable = [self._usable(replay) for replay in self.replays]
-        self.floors = [self._floor(*entry) for entry in zip(self.replays, self.usable)]
+        self.judge = self.drive
+        self.floors = self._floors()
+        self._judging: dict[str, Campaign] = {}     # by model
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._weights = [
@@ -114,8 +116,9 @@ class Campaign:
     def _shakes(replay) -> np.ndarray:
         return shaking(replay.run)
 
-    def _floor(self, replay, usable: np.ndarray) -> dict[str, float]:
-        return replay_floor(replay, self.drive, count=usable)
+    def _floors(self) -> list[dict[str, float]]:
+        return [replay_floor(replay, self.judge, count=usable)
+                for replay, usable in zip(self.replays, self.usable)]
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
@@ -159,9 +162,9 @@ class Campaign:
                 span = len(column.judge) * replay.run.sample_time
                 total += span
                 if name == replay.torque:
-                    share = (replay.roughness.std * column.scale)**2
+                    rough = replay.misread(self.judge)
                     # Mean square of an Ornstein-Uhlenbeck process over a span.
-                    variance += span * 2 * share**2 * 2 * replay.roughness.time_constant
+                    variance += span * 4 * (rough.std * column.scale)**4 * rough.time_constant
         chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
         # What a slow record does not show of commands and load shakes the replay, too.
         return chance + (_SLOW_SCATTER if self.slow() else 0.0)
@@ -187,6 +190,7 @@ class Campaign:
     def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
         part = copy.copy(self)
+        part._judging = {}
         part._weights = [(np.abs(weight) if all_to_fit else weight) * wanted(log)
                          for log, weight in enumerate(self._weights)]
         part.columns = columns(self.replays, self.floors, part._weights)
@@ -195,8 +199,18 @@ class Campaign:
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""
         other = copy.copy(self)
+        other._judging = {}
         other.replays = [copy.copy(replay) for replay in self.replays]
         return other
+
+    def of_load(self) -> Campaign:
+        """Return a campaign of the torque alone, which asks for no simulation (``Replay``)."""
+        part = self.copied()
+        part.replays = [replay.of_load() for replay in self.replays]
+        part.columns = [column for column in self.columns
+                        if column.signal in part.replays[column.log].signals]
+        part.signals = tuple({column.signal for column in part.columns})
+        return part
 
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
@@ -206,6 +220,16 @@ class Campaign:
         for name, values in model.effects.items():
             drive.switch_on(name, values)
         return drive
+
+    def judging(self, model: Model) -> Campaign:
+        """Return the campaign with the floors of a drive that is as this model says."""
+        key = repr(model)
+        if key not in self._judging:
+            own = self._judging[key] = copy.copy(self)
+            own.judge = self.driver(model)
+            own.floors = own._floors()
+            own.columns = columns(self.replays, own.floors, self._weights)
+        return self._judging[key]
 
     def errors(self, model: Model, *, to_fit: bool = False) -> list[np.ndarray]:
         """

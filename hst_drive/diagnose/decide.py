@@ -11,9 +11,9 @@ from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.design import in_short
-from hst_drive.diagnose.fit import at_limit, Fit
+from hst_drive.diagnose.fit import at_limit, Fit, fit
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import excess
+from hst_drive.diagnose.judge import excess, judged
 from hst_drive.diagnose.limits import relieves
 from hst_drive.diagnose.observable import visibility
 from hst_drive.diagnose.odd_log import odd_log, several_drives
@@ -32,7 +32,6 @@ from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
 from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
-import numpy as np
 
 _SHORT = 10.0           # s that a recording should have at least
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
@@ -65,10 +64,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     drifting = drifts(rig, (*runs, *holdout))
     progress('calibrating the unit')
     campaign = campaign_of(rig, runs, holdout)
-    sheet = campaign.errors(Model())
-    if not campaign.ratios(sheet, True):
+    sheet = fit(campaign, Model(), iterations=0)
+    if not campaign.ratios(sheet.errors, True):
         sources = ', '.join(run.source for run in (*runs, *holdout))
-        if sum(float(np.ptp(run.time)) for run in (*runs, *holdout)) > _SHORT:
+        if sum(float(run.time[-1] - run.time[0]) for run in (*runs, *holdout)) > _SHORT:
             refuse_unjudged(sources, campaign.signals)
         raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
                          'record at least 10 s, better a minute')
@@ -169,21 +168,19 @@ def _part(model: Model, names: Sequence[str]) -> Model:
 
 
 def _ladder(search: Search, best: Candidate, order: Sequence[str],
-            sheet: Sequence[np.ndarray]) -> tuple[Step, ...]:
-    campaign = search.campaign
+            sheet: Fit) -> tuple[Step, ...]:
+    def step(added: str, fitted: Fit) -> Step:
+        own, model = judged(search.campaign, fitted)
+        return Step(added, own.ratios(model.errors, False), own.ratios(model.errors, True))
 
-    def step(added: str, errors) -> Step:
-        return Step(added, campaign.ratios(errors, False), campaign.ratios(errors, True))
-
-    steps = [step('datasheet', sheet),
-             step('calibrated unit', search.base.errors)]
+    steps = [step('datasheet', sheet), step('calibrated unit', search.base)]
     for count in range(1, len(order) + 1):
         names = tuple(sorted(order[:count]))
         if count == len(order):
             fitted = best.fit
         else:
             fitted = search.try_all([(names, _part(best.fit.model, names))], 'ladder')[0].fit
-        steps.append(step(order[count - 1], fitted.errors))
+        steps.append(step(order[count - 1], fitted))
     return tuple(steps)
 
 

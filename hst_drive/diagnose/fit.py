@@ -284,10 +284,11 @@ def at_its_end(model: Model, name: str) -> bool:
     """Say whether a parameter of an effect sits at an end of what is plausible on a machine."""
     for place, entry in enumerate(catalogue(everything=True)[name].parameters):
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
-        # The ends of a bare number that shapes an effect may be other forms of it, those of a
-        # share none and all: as plausible as what lies between.
+        # None of something, the ends of a bare number that shapes an effect and may be other forms
+        # of it, and all of a share are as plausible as what lies between.
         form = place > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
-        if not entry.fixed and not form and any(
-                abs(value - end) <= _AT_END * abs(end) for end in ends if end != entry.neutral):
+        ends = [end for end in ends if end not in (0.0, entry.neutral)]
+        if not entry.fixed and not form and any(abs(value - end) <= _AT_END * abs(end)
+                                                for end in ends):
             return True
     return False

@@ -126,15 +126,46 @@ def worthwhile_in_part(found: Gain, done: Mapping[str, float],
         and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS, form))
 
 
+def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:
+    """
+    Return a campaign and a fit in it with the floors of the fitted model itself.
+
+    Models are compared over the same floors. But a shaft that rings answers to the noise of what
+    was recorded otherwise than a stiff one, and rock is what the better model does not explain: a
+    model is right if it is down to its own floor.
+    """
+    own = campaign.judging(model.model)
+    return own, model._replace(errors=[
+        error * (mine.scale / common.scale)
+        for error, mine, common in zip(model.errors, own.columns, campaign.columns)])
+
+
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
                 held_out: bool = True) -> dict[str, float]:
     """
-    Return the signals whose noise ratio is above what counts as explained.
+    Return the signals whose noise ratio, over the model's own floors, is not explained.
 
     Held-out logs may not visit where something is missing: then the logs that were fitted show
-    it. These hold what is hard to replay, so that more may remain on them.
+    it. These hold what is hard to replay, so that more may remain on them. What a model may leave
+    beyond its floor does not grow with that: ringing hides no error.
     """
+    own, fitted = judged(campaign, model)
     clean = CLEAN_RATIO if held_out else CLEAN_FITTED
-    return {name: ratio for name, ratio in campaign.ratios(model.errors, held_out).items()
-            if ratio**2 > clean**2 + campaign.scatter(name)
-            + (FORM_SHARE * done.get(name, 0.0))**2}
+    left = {}
+    for name, ratio in own.ratios(fitted.errors, held_out).items():
+        common = _squared_floors(campaign, own, name, held_out)
+        if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name)
+                       + common * (FORM_SHARE * done.get(name, 0.0))**2):
+            left[name] = ratio
+    return left
+
+
+def _squared_floors(campaign: Campaign, own: Campaign, name: str, held_out: bool) -> float:
+    """Return the squared floor of a signal over that of a model with floors of its own."""
+    total, count = 0.0, 0
+    for common, mine in zip(campaign.columns, own.columns):
+        if common.signal == name:
+            samples = len(common.judge if held_out else common.fit)
+            total += samples * (mine.scale / common.scale)**2
+            count += samples
+    return total / max(count, 1)

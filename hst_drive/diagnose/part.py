@@ -70,8 +70,8 @@ class PartCampaign(Campaign):
         # Parts follow what was measured of the others: nothing drifts out of step.
         return np.zeros(len(replay.run), dtype=bool)
 
-    def _floor(self, replay: PartReplay, usable: np.ndarray) -> dict[str, float]:
-        return replay.floor(self.drive)
+    def _floors(self) -> list[dict[str, float]]:
+        return [replay.floor(self.judge) for replay in self.replays]
 
     @staticmethod
     def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:

@@ -16,7 +16,7 @@ from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, Samples, samples, STATIC)
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import gain, PRACTICAL, unexplained
+from hst_drive.diagnose.judge import gain, judged, PRACTICAL, unexplained
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.places import locate, only_read, Place, sizes
@@ -55,6 +55,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
 
     """
     left = sure or any(unexplained(campaign, model, {}, held_out) for held_out in (True, False))
+    campaign, model = judged(campaign, model)
     place = locate(campaign, model) if left else None
     if place is None:
         return None

@@ -42,8 +42,11 @@ def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
             rest = rest - replay.readings.slow(rest)
             power[name] += estimate_coloured(replay.run.time, rest, replay.noise[name]).std**2
     added: list[dict[str, float]] = []
-    if replay.can_correct and replay.roughness.std > 0:
-        added += [*replay.shaken(drive, seed, count), {replay.torque: replay.roughness.std**2}]
+    if replay.can_correct:
+        misread = replay.misread(drive)
+        power[replay.torque] = misread.noise_std**2
+        if misread.std > 0:
+            added += [*replay.shaken(drive, seed, count), {replay.torque: misread.std**2}]
     if any(steps.guessed for steps in replay.steps.values()):
         added.append(_of_guesses(replay, drive, seed))
     for entry in added:

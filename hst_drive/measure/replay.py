@@ -10,6 +10,7 @@ does not reach the sensor noise; ``replay_floor`` is what it would reach.
 """
 from __future__ import annotations
 
+import copy
 from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
@@ -18,7 +19,7 @@ from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
-from hst_drive.measure.shaft import behind, load_side, read
+from hst_drive.measure.shaft import Behind, behind, load_side
 from hst_drive.measure.speed import measured_speed, speed_behind
 from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step
@@ -153,6 +154,7 @@ class Replay:
     def _prepare(self, drive: Drive) -> None:
         """Find the noise, and the part of the load that the model does not explain."""
         self.can_correct = False
+        self.simulated = True
         self.roughness = Coloured(0.0, 0.3, 0.0)
         run = self.run
         if self.torque:
@@ -215,13 +217,9 @@ class Replay:
         name = self.torque
         noise = min(self.readings.noise(name, self.run[name]),
                     self.readings.noise(name, rest), self._stated_noise(drive, name))
-        self.roughness = estimate_coloured(self.run.time, rest - self.readings.slow(rest), noise)
-        sensor = self.readings.sensors.get(name)
-        # A shaft's swings do not look like rock at short lags: they hide the noise.
-        self._behind = self.roughness._replace(noise_std=max(
-            self.roughness.noise_std, min(sensor.noise_std if sensor else 0.0, noise)))
-        if drive.has_flexible_shaft:
-            self.roughness = self._behind
+        shaft = self._behind(drive, rest)
+        self.roughness = shaft.rough if shaft else estimate_coloured(
+            self.run.time, rest - self.readings.slow(rest), noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
         self.can_correct = True
@@ -267,6 +265,36 @@ class Replay:
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
 
+    def _behind(self, drive: Drive, rest: np.ndarray) -> Behind | None:
+        """Say what is behind a flexible shaft and how it is read; None where nothing is."""
+        if not drive.has_flexible_shaft:
+            return None
+        stiff, speed = drive.without('shaft_compliance'), self._true_speed(drive)
+        side = load_side(drive, self._measured,
+                         lambda faster: self._load_model(stiff, speed + faster))
+        if side is None:
+            return None
+        # Of the speed that the load is modelled with: the model's own has none.
+        noise = (self.noise['motor_speed'] if 'motor_speed' in self.run else
+                 self.noise.get('motor_inlet_flow', 0.0) / drive.rig.motor.displacement)
+        rest = rest - self.readings.slow(rest)
+        return behind(side, self.run.sample_time, rest,
+                      self.readings.noise(self.torque, rest), noise)
+
+    def of_load(self) -> Replay:
+        """Return a replay of the load alone: it meets the measured speed, nothing is simulated."""
+        alone = copy.copy(self)
+        alone.simulated = False
+        alone.signals = (self.torque,) if self.can_correct else ()
+        return alone
+
+    def misread(self, drive: Drive) -> Coloured:
+        """Return by how much (N.m) the torque reading is off the load model's if that is right."""
+        shaft = self._behind(drive, self._unexplained(self._load_model(drive)))
+        if shaft is None:
+            return self.roughness._replace(noise_std=self.noise[self.torque])
+        return shaft.rough._replace(std=shaft.swings())
+
     def disturbance(self, drive: Drive) -> np.ndarray:
         """Return the load torque (N.m) that the sensor shows beyond the load model, smoothed."""
         if not self.can_correct:
@@ -275,32 +303,16 @@ class Replay:
 
     def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         rest = self._unexplained(load)
-        if drive.has_flexible_shaft:
-            speed, time = self._true_speed(drive), self.run.time
-            side = load_side(drive, self._measured,
-                             lambda faster: self._load_model(drive, speed + faster))
-            if side:
-                moved = read(side, self.run.sample_time,
-                             load + side.inertia * np.gradient(speed, time))
-                # What the sensor reads without the inertia that the shaft moves.
-                rest = np.where(self._turning, rest + load - moved, 0.0)
-                slow = self.readings.slow(rest)
-                return slow + behind(side, self.run.sample_time, rest - slow, self._behind)
+        shaft = self._behind(drive, rest)
+        if shaft:
+            slow = self.readings.slow(rest)
+            return slow + shaft.load(rest - slow)
         # Most effects leave the load as it is: then it need not be smoothed anew.
         known = self._smoothed
         if known is None or not np.array_equal(known[0], rest):
             slow = self.readings.slow(rest)
             known = self._smoothed = rest, slow + self._smoother(rest - slow)
         return known[1]
-
-    def _behind_shaft(self, drive: Drive, signals: dict[str, np.ndarray],
-                      added: np.ndarray) -> np.ndarray:
-        """Return the torque (N.m) that moves the inertia behind a flexible shaft."""
-        speed = self._true_speed(drive, signals['motor_speed'])
-        load = self._load_model(drive, speed) + added
-        inertial = np.where(self._turning, signals[self.torque] - load, 0.0)
-        # A model that left all bounds must lose, not stop the search.
-        return np.nan_to_num(np.clip(inertial, -1e6, 1e6))
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
@@ -322,22 +334,18 @@ class Replay:
             Commands in place of the recorded ones, V.
 
         """
-        if self.can_correct:
-            load = self._load_model(drive)
-            disturbance = self._disturbance(drive, load)
-        else:
-            disturbance = self.disturbance(drive)
-        signals = self._simulate(drive, disturbance, commands, extra)
-        if self.can_correct:
+        load = self._load_model(drive) if self.can_correct else None
+        signals, disturbance = {}, np.zeros(len(self.run))
+        if self.simulated:
+            if load is not None:
+                disturbance = self._disturbance(drive, load)
+            signals = self._simulate(drive, disturbance, commands, extra)
+        if load is not None:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
-            if drive.has_flexible_shaft:
-                added = 0.0 if extra is None else self._between.at_rows(extra)
-                load = load + self._behind_shaft(drive, signals, disturbance + added)
-            at_rest = self.at_rest
-            signals[self.torque] = np.where(at_rest, signals[self.torque], load)
+            signals[self.torque] = load
         read = {name: self.readings.as_read(name, signals[name]) for name in self.signals}
-        if self.can_correct:
-            read[self.torque] = np.where(at_rest, self._measured, read[self.torque])
+        if load is not None:
+            read[self.torque] = np.where(self.at_rest, self._measured, read[self.torque])
         return Prediction(read, disturbance)
 
     def _finely(self) -> Smoother:
@@ -350,13 +358,21 @@ class Replay:
         known[::steps] = np.isfinite(self.run[self.torque])
         return Smoother(time, self.roughness, known)
 
+    def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
+        """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
+        shaft = self._behind(drive, self._unexplained(self._load_model(drive)))
+        smoother, steps = self._finely(), self._between.steps
+        for _ in range(DRAWS):
+            yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
+                self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
+
     def shaken(self, drive: Drive, seed: int,
                count: np.ndarray | None) -> Iterator[dict[str, float]]:
         """Yield squared errors, by signal, from draws of the load that smoothing misses."""
         base = self.predict(drive).signals
-        random, smoother = np.random.default_rng(seed), self._finely()
-        for _ in range(DRAWS):
-            moved = self.predict(drive, smoother.draw_error(random)).signals
+        random = np.random.default_rng(seed)
+        for missed in self._missed(drive, random):
+            moved = self.predict(drive, missed).signals
             part = slice(None) if count is None else count
             yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / DRAWS
                    for name in self.signals if name != self.torque}

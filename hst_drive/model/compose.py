@@ -41,6 +41,7 @@ CONSTANTS = {
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
     'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen
     'SHAFT_STEP': 0.12,               # of the root of inertia times compliance
+    'SHAFT_STALL_STEP': 1e-3,         # s; what lies behind a shaft may stall for some 20 ms
     'SHAFT_DAMPING_TIME': USUAL_DAMPING_TIME,
     'SHAFT_RIGID': 2.4e-6,            # s^2, compliance times inertia: less is rigid, and stiff
 }
@@ -182,7 +183,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
         parts.append(_function_source(effect.id, function, key))
     # Inlined, the inner functions cost half: a call hands over some forty words.
     inline = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-              'load_model', 'balances', 'derivatives')
+              'load_model', 'shaft', 'balances', 'derivatives')
     usual = 'nogil=True, error_model="numpy"'
     if hasattr(DefaultOptions, '_nrt'):
         # References to arrays are counted in each branch, which took half of the time; nothing
@@ -191,7 +192,7 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     # What only compiled code calls needs neither a wrapper nor a file: that halves compilation.
     inside = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
     parts += [f'{name} = numba.njit({inside}{name in inline})({name})'
-              for name in (*inline, 'find', 'played')]
+              for name in (*inline, 'find', 'played', 'twist_under')]
     parts += [f'{name} = numba.njit(cache=True, {usual})({name})'
               for name in ('load_record', 'simulate')]
     source = '\n\n'.join(parts) + '\n'

@@ -110,6 +110,12 @@ class Drive:
         changed.switch_on(name, values)
         return changed
 
+    def without(self, slot: str) -> Drive:
+        """Return a drive in which no effect enters at a slot."""
+        changed = self.copied()
+        changed.switches[self.kernel.slots[slot]] = 0
+        return changed
+
     def copied(self) -> Drive:
         """Return a drive that can be changed while others use this one."""
         other = copy.copy(self)

@@ -91,31 +91,102 @@ def load_model(motor_speed, pprv_pressure, pprv_command, oil_temperature, motor_
     return whole_load_torque
 
 
+def shaft(twist, p, on):
+    """Return stiffness (N.m/rad), damping (N.m.s/rad) and compliance of a flexible shaft."""
+    shaft_compliance = 0.0
+    # slot shaft_compliance
+    shaft_damping_time = SHAFT_DAMPING_TIME
+    # slot shaft_damping_time
+    softness = max(shaft_compliance, SHAFT_RIGID / p[P_inertia])
+    # Beyond twice the root nothing oscillates any more, and more would be stiff.
+    shaft_damping_time = min(shaft_damping_time, 2.0 * math.sqrt(softness * p[P_inertia]))
+    return 1.0 / softness, shaft_damping_time / softness, shaft_compliance
+
+
+def twist_under(torque, p, on):
+    """Return the twist at which a shaft that may harden carries a torque."""
+    near, far = 0.0, torque / shaft(0.0, p, on)[0]
+    for _ in range(50):
+        middle = 0.5 * (near + far)
+        if abs(middle) * shaft(middle, p, on)[0] < abs(torque):
+            near = middle
+        else:
+            far = middle
+    return far
+
+
 def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angles, p, on, cells,
                 layout, out):
     """
     Evaluate the load model over a record at the measured speed.
 
     The PPRV's first-order lag is solved exactly for a command held between samples. ``out`` gets
-    what the torque sensor would read.
+    what the torque sensor would read. On a flexible shaft that is not the load: what lies behind
+    swings as the measured speed drives it (midpoint rule; the load's size by Adams and Bashforth).
     """
-    pprv_pressure = 0.0
-    for k in range(len(time)):
+    pprv_pressure = load_speed = twist = last_brake = 0.0
+    load_inertia = p[P_inertia]
+    if on[SLOT_shaft_compliance]:
+        shaft_load_share = SHAFT_LOAD_SIDE_SHARE
+        # slot shaft_load_share
+        load_inertia *= shaft_load_share
+    n = len(time)
+    for k in range(n):
         target = p[P_pprv_pressure_scale] * interpolate(
             pprv_commands[k], T_PPRV_PRESSURE, cells, layout)
         if k == 0:
             pprv_pressure = target
         oil_temperature = oil_temperatures[k]
-        load_torque = load_model(motor_speeds[k], pprv_pressure, pprv_commands[k],
+        motor_speed = motor_speeds[k]
+        load_torque = load_model(motor_speed, pprv_pressure, pprv_commands[k],
                                  oil_temperature, motor_angles[k], p, on, cells, layout)
-        load_torque *= smooth_sign(motor_speeds[k])
+        if k == 0:
+            load_speed, last_brake = motor_speed, load_torque
+        load_torque *= smooth_sign(motor_speed)
+        following = min(k + 1, n - 1)
+        interval = time[following] - time[k]
+        if on[SLOT_shaft_compliance]:
+            if k == 0:
+                twist = twist_under(load_torque, p, on)
+            stiffness, damping, shaft_compliance = shaft(twist, p, on)
+            load_torque = stiffness * twist + damping * (motor_speed - load_speed)
+            # A cubic through the rows: straight lines would cut off the tips of the swings.
+            after, before = min(k + 2, n - 1), max(k - 1, 0)
+            change = motor_speeds[following] - motor_speed
+            slope = (motor_speeds[following] - motor_speeds[before]) / max(
+                time[following] - time[before], 1e-9) * interval
+            end_slope = (motor_speeds[after] - motor_speed) / max(
+                time[after] - time[k], 1e-9) * interval
+            steps = int(interval / min(SHAFT_STALL_STEP, SHAFT_STEP * math.sqrt(max(
+                shaft_compliance * p[P_inertia], SHAFT_RIGID)))) + 1
+            h = interval / steps
+            for part in range(steps if k < n - 1 else 0):
+                x = part / steps
+                brake = load_model(
+                    load_speed, target + (pprv_pressure - target) * math.exp(
+                        -x * interval / p[P_pprv_lag]), pprv_commands[k], oil_temperature,
+                    motor_angles[k] + x * (motor_angles[following] - motor_angles[k]), p, on,
+                    cells, layout)
+                # At the middle of the step.
+                x += 0.5 / steps
+                slip = motor_speed + x * (slope + x * (
+                    3.0 * change - 2.0 * slope - end_slope
+                    + x * (slope + end_slope - 2.0 * change))) - load_speed
+                braking = 1.5 * brake - 0.5 * last_brake
+                last_brake = brake
+                stiffness, damping, shaft_compliance = shaft(twist + 0.5 * h * slip, p, on)
+                direction = smooth_sign(load_speed)
+                change_of_load_speed = h * (
+                    stiffness * (twist + 0.5 * h * slip) + damping * slip - braking * direction
+                ) / (load_inertia + 0.5 * h * (damping + 0.5 * h * stiffness + abs(braking) * (
+                    1.0 - direction * direction) / SIGN_WIDTH))
+                twist += h * (slip - 0.5 * change_of_load_speed)
+                load_speed += change_of_load_speed
         torque_reading = load_torque
         # slot torque_reading
         out[k] = torque_reading
-        if k < len(time) - 1:
-            interval = time[k + 1] - time[k]
-            pprv_pressure = target + (pprv_pressure - target) * math.exp(
-                -interval / p[P_pprv_lag])
+        pprv_pressure = target + (pprv_pressure - target) * math.exp(
+            -interval / p[P_pprv_lag])
 
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
@@ -199,14 +270,9 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
 
     shaft_torque = load_torque
     shaft_compliance = 0.0
-    # slot shaft_compliance
     if on[SLOT_shaft_compliance]:
-        shaft_damping_time = SHAFT_DAMPING_TIME
-        # slot shaft_damping_time
-        softness = max(shaft_compliance, SHAFT_RIGID / p[P_inertia])
-        # Beyond twice the root nothing oscillates any more, and more would be stiff.
-        shaft_damping_time = min(shaft_damping_time, 2.0 * math.sqrt(softness * p[P_inertia]))
-        shaft_torque = (twist + shaft_damping_time * (motor_speed - load_speed)) / softness
+        stiffness, damping, shaft_compliance = shaft(twist, p, on)
+        shaft_torque = stiffness * twist + damping * (motor_speed - load_speed)
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
             shaft_compliance, speed_change, pump_speed_lag, back_pressure)

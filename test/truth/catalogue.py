@@ -77,7 +77,7 @@ EFFECTS: dict[str, Effect] = {
     'back_pressure': _e('torque', 'constant flow_dependent', {'p_back': 4e5}, W),
     'piston_ripple': _e('torque', 'sine rectified', {'ripple': 0.02}, P, {'pistons': 7.0}),
     'shaft_compliance': _e('torque', 'linear hardening', {'stiffness': 320.0}, L,
-                           {'shaft_damping': 0.9}, inverse=('stiffness',)),
+                           {'shaft_damping': 0.9, 'shaft_share': 0.6}, inverse=('stiffness',)),
     'gearbox_loss': _e('load', 'proportional affine', {'gear_loss': 0.06}, L),
     'pressure_sensor_bias': _e('sensor', 'constant with_span', {'p_bias': 2e5}, P),
     'speed_sensor_lag': _e('sensor', 'first_order second_order', {'speed_lag': 0.06}, W),

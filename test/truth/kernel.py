@@ -105,7 +105,7 @@ def run(numbers, tabs_d, tabs_lp, tabs_lm, tabs_em, tabs_el, tabs_pv, setpoint, 
     u = 0.0
     c_rest = 0.5 * p.volume
     dead = int(round(p.dead_time * 1000.0))
-    split = 0.4 if p.stiffness > 0.0 else 1.0
+    split = 1.0 - p.shaft_share if p.stiffness > 0.0 else 1.0
     torque = t_load = t_motor = q_lm = q_net = q_prv = 0.0
     for k in range(n):
         if k % MS_PER_TICK == 0:
