@@ -3,12 +3,17 @@
 """What a torque sensor on a flexible shaft tells of the load, against the equations solved."""
 from hst_drive.effects.base import USUAL_DAMPING_TIME
 from hst_drive.measure.noise import Coloured
-from hst_drive.measure.shaft import behind, load_side, LoadSide, read, twist_at
+from hst_drive.measure.shaft import Behind, behind, load_side, LoadSide, twist_at
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+from scipy.signal import lsim
+
+from .synthetic import coloured
 
 SIDE = LoadSide(0.0025, 0.2, 0.004, 1.5)
 STEP = 0.005
@@ -35,21 +40,69 @@ def loads():
     return 100.0 + 20.0 * (TIME > 7.0) + 3.0 * np.sin(40.0 * TIME)
 
 
-def test_the_sensor_reads_what_the_equations_give():
-    inner = slice(400, -400)
-    assert read(SIDE, STEP, loads())[inner] == pytest.approx(swung(loads())[inner], abs=0.5)
-
-
 def test_the_load_is_found_again():
-    found = behind(SIDE, STEP, swung(loads()), Coloured(5.0, 0.1, 0.01))
+    rough = Coloured(5.0, 0.1, 0.01)
+    found = Behind(SIDE, STEP, 0.0, rough).load(swung(loads()))
     inner = (TIME > 2.0) & (TIME < 18.0) & (np.abs(TIME - 7.0) > 0.5)
     assert found[inner] == pytest.approx(loads()[inner], abs=0.5)
 
 
 def test_noise_is_not_taken_for_load():
     noise = 0.5 * np.random.default_rng(1).standard_normal(len(TIME))
-    found = behind(SIDE, STEP, noise, Coloured(0.3, 0.1, 0.5))
-    assert np.std(found) < 0.15
+    found = behind(SIDE, STEP, noise, 0.5, 0.0)
+    assert np.std(found.load(noise)) < 0.15
+    assert found.rough.noise_std == pytest.approx(0.5, rel=0.1)
+
+
+@pytest.mark.parametrize('speed_noise', [0.0, 0.02])
+def test_how_rough_the_load_is_its_spectrum_tells(speed_noise):
+    """Noise of the speed moves the inertia behind the shaft: in the reading, not in the load."""
+    random = np.random.default_rng(4)
+    time = np.arange(0.0, 60.0, STEP)
+    load = coloured(random, len(time), STEP, 3.0, 0.2)
+    turning = lsim(([SIDE.damping_time, 1.0], [
+        SIDE.compliance * SIDE.inertia, SIDE.damping_time + SIDE.compliance * SIDE.slope, 1.0]),
+        load, time)[1]
+    rate = speed_noise * np.gradient(random.standard_normal(len(time)), STEP) * SIDE.inertia
+    shaken = lsim(([SIDE.damping_time, 1.0], [
+        SIDE.compliance * SIDE.inertia, SIDE.damping_time + SIDE.compliance * SIDE.slope, 1.0]),
+        rate, time)[1]
+    reading = turning + shaken + 0.3 * random.standard_normal(len(time))
+    found = behind(SIDE, STEP, reading, 1.0, speed_noise)
+    assert found.rough.std == pytest.approx(3.0, rel=0.2)
+    assert found.rough.time_constant == pytest.approx(0.2, rel=0.4)
+    assert found.rough.noise_std == pytest.approx(0.3, rel=0.2)
+    missed = found.draw_error(STEP, len(time), random)
+    assert np.std(missed) == pytest.approx(np.std(found.load(reading) - load), rel=0.25)
+
+
+@pytest.mark.parametrize('hardening', [0.0, 20.0])
+def test_a_reading_follows_the_measured_speed_as_the_equations_do(hardening):
+    drive = Drive(default_rig(), {'shaft_compliance': {
+        'compliance': 0.003, 'load_side_share': 0.4, 'hardening': hardening,
+        'damping_time': 0.002}})
+    stiff = drive.without('shaft_compliance')
+    time = np.arange(600) * STEP
+    speed = 9.0 + 0.4 * np.sin(40.0 * time) + 0.5 * np.tanh(20.0 * (time - 1.0))
+    volts, warm = np.full(len(time), 2.5), np.full(len(time), 323.15)
+    grid = np.linspace(5.0, 13.0, 200)
+    given = stiff.load_torque(np.arange(200.0), np.full(200, 2.5), grid, np.full(200, 323.15))
+    inertia = 0.4 * default_rig().motor.inertia
+
+    def torque(twist, slip):
+        return (twist + 0.002 * slip) / 0.003 * (1.0 + hardening * twist**2)
+
+    def rates(now, state):
+        slip = CubicSpline(time, speed)(now) - state[1]
+        return slip, (torque(state[0], slip) - np.interp(state[1], grid, given)) / inertia
+
+    start = brentq(lambda twist: torque(twist, 0.0) - np.interp(speed[0], grid, given), 0.0, 2.0)
+    found = solve_ivp(rates, (0.0, time[-1]), (start, speed[0]), t_eval=time, rtol=1e-8,
+                      atol=1e-10, max_step=STEP)
+    expected = torque(found.y[0], speed - found.y[1])
+    shown = drive.load_torque(time, volts, speed, warm)
+    assert np.ptp(expected) > 8.0
+    assert shown == pytest.approx(expected, abs=0.01 * np.ptp(expected))
 
 
 def test_what_is_behind_the_shaft_of_a_drive():
