@@ -37,7 +37,8 @@ NEEDS = {
                      'diagnose/test_orders.py', 'diagnose/test_pairs.py',
                      'diagnose/test_phases.py', 'measure/test_unjudged.py',
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
-                     'diagnose/test_shapes.py', 'diagnose/test_standing.py',
+                     'diagnose/test_shapes.py', 'diagnose/test_slow_rows.py',
+                     'diagnose/test_standing.py',
                      'diagnose/test_strangers.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()

@@ -88,8 +88,6 @@ class Campaign:
         self.drive = self._model()
         self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
-        if self.slow():
-            self.events = _SLOW_EVENTS
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive
         self.floors = self._floors()
@@ -167,11 +165,20 @@ class Campaign:
                     variance += span * 4 * (rough.std * column.scale)**4 * rough.time_constant
         chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
         # What a slow record does not show of commands and load shakes the replay, too.
-        return chance + (_SLOW_SCATTER if self.slow() else 0.0)
+        return chance + (_SLOW_SCATTER if self.slow(name) else 0.0)
 
-    def slow(self) -> bool:
-        """Say whether rows come so seldom that what the controller did is not known well."""
-        return any(replay.stamps > _SLOW_STAMPS for replay in self.replays)
+    def slow(self, name: str = '') -> bool:
+        """
+        Say whether rows come so seldom that what the controller did is not known well.
+
+        With the name of a signal: and whether it hangs on that. The load meets the measured speed.
+        """
+        return any(replay.stamps > _SLOW_STAMPS for replay in self.replays
+                   if name != replay.torque)
+
+    def _spoilt(self, name: str = '') -> float:
+        """Return the share of the blocks, of one signal or all, that single events may spoil."""
+        return _SLOW_EVENTS if self.slow(name) else self.events
 
     @staticmethod
     def _weigh(replay: Replay, training: bool, named: bool) -> np.ndarray:
@@ -259,11 +266,11 @@ class Campaign:
                                for error, column in zip(errors, self.columns)])
 
     def without_events(self, residual: np.ndarray) -> np.ndarray:
-        """Say which of the errors to fit on are not in the worst blocks (a share ``EVENTS``)."""
+        """Say which of the errors to fit on are not in the worst blocks (``EVENTS``)."""
         block = np.concatenate([self._block[column.log][column.fit] for column in self.columns])
         used, block = np.unique(block, return_inverse=True)
         power = np.bincount(block, residual**2)
-        worst = np.argsort(power)[len(used) - int(np.ceil(self.events * len(used))):]
+        worst = np.argsort(power)[len(used) - int(np.ceil(self._spoilt() * len(used))):]
         return ~np.isin(block, worst)
 
     @cached_property
@@ -290,7 +297,7 @@ class Campaign:
         ratios = {}
         for name, squares in self.blocks(errors, held_out).items():
             squares = np.sort(squares[np.isfinite(squares)])
-            if count := len(squares) - int(np.ceil(self.events * len(squares))):
+            if count := len(squares) - int(np.ceil(self._spoilt(name) * len(squares))):
                 ratios[name] = float(np.sqrt(squares[:count].mean()))
         return ratios
 

@@ -55,6 +55,10 @@ class PartCampaign(Campaign):
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else EVENTS
 
+    def slow(self, name: str = '') -> bool:
+        """Say that nothing is replayed, so that nothing drifts out of step."""
+        return False
+
     def _model(self) -> PartModel:
         return PartModel(self.rig)
 

@@ -78,15 +78,6 @@ def test_an_effect_stands_whose_parts_cannot_be_told_apart(among):
 
 
 @foreign
-def test_what_removes_nothing_beside_an_unknown_is_not_named(among):
-    among('line_loss', 'speed_sensor_lag', 'viscous_drag')
-    found = diagnose(*recorded('hose'))
-    # A laminar loss in a hose and a viscous drag are one torque at the shaft, told as a set.
-    named, = found.effects
-    assert {named.id, *named.indistinguishable_from} == {'line_loss', 'viscous_drag'}
-
-
-@foreign
 def test_sizes_beside_an_unknown_are_known_no_better_than_what_is_left(among):
     """A gas accumulator, not in the list, is no foam of so and so much air."""
     among('entrained_air', 'motor_leakage')
