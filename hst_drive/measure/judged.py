@@ -60,8 +60,9 @@ def judged(run: Run) -> Judged:
     time = run.time - run.time[0]
     out = np.zeros(len(run), dtype=bool)
     reasons, kept = {}, {}
-    for why, part in (('start from rest', _starting(run, time)),
-                      ('start in motion', _in_motion(run, time)),
+    rest = _starting(run, time)
+    for why, part in (('start from rest', rest),
+                      ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time))):
         if np.mean(out | part) > MOST:
             kept[why] = float(np.mean(part))

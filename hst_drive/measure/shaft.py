@@ -20,8 +20,8 @@ from hst_drive.effects.base import USUAL_DAMPING_TIME, USUAL_SHARE
 from hst_drive.measure.noise import Coloured
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
+from hst_drive.model.steady import twist_at
 import numpy as np
-from scipy.optimize import brentq
 
 _ENDS = 0.1     # of a record, mirrored at either end
 _FASTER = 0.1   # rad/s, for the slope of the load
@@ -72,7 +72,7 @@ class Behind(NamedTuple):
                 + _of_speed(self.side, frequency) * self.speed_noise**2 * self.step)
 
     def load(self, reading: np.ndarray) -> np.ndarray:
-        """Return the load (N.m) of which the sensor reads this."""
+        """Return that (N.m) of which the sensor reads this."""
         def inverse(frequency: np.ndarray) -> np.ndarray:
             response, load, noise = self._spectra(frequency)
             return np.conj(response) * load / (np.abs(response)**2 * load + noise)
@@ -105,15 +105,6 @@ def _of_memory(frequency: np.ndarray, time_constant: float) -> np.ndarray:
 def _of_speed(side: LoadSide, frequency: np.ndarray) -> np.ndarray:
     """Return by how much a speed shakes the reading, squared, (N.m.s/rad)^2."""
     return np.abs(side.response(frequency) * (side.slope + 1j * frequency * side.inertia))**2
-
-
-def twist_at(drive: Drive, torque: float) -> float:
-    """Return the twist (rad) at which a shaft that may harden carries a torque (N.m)."""
-    def missing(twist: float) -> float:
-        return twist - torque * drive.slot('shaft_compliance', twist=twist)
-
-    most = torque * drive.slot('shaft_compliance', twist=0.0)
-    return float(brentq(missing, 0.0, most)) if most > 0.0 and missing(most) > 0.0 else most
 
 
 def load_side(drive: Drive, torque: np.ndarray,

@@ -5,15 +5,16 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
-from hst_drive.measure.shaft import twist_at
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
+from hst_drive.model.steady import twist_at
 import numpy as np
 from scipy.optimize import brentq
 
 _FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
 _LINE, _LINE_ROWS = 0.05, 3     # s and rows at least, over which a reading moves on a line
+_SWINGS = 2.0       # deviations of a reading's own swing: further off it is in motion
 _RESTS = 1.0        # s over which what flows tells where the plate rests
 _MOVING = 0.1       # of the settled load: the reading is further off than a unit may be
 
@@ -23,8 +24,8 @@ class Beginning(NamedTuple):
     What the first rows of a recording tell: one row alone has a sensor's noise.
 
     ``first`` are signals at the first row, SI, on a straight line through the next ones;
-    ``resting`` their means while the pump's command stands, and ``rise`` that of the pressure's
-    slope, Pa/s.
+    ``resting`` their means while the pump's command stands, or those where a reading drifts, and
+    ``rise`` the pressure's slope, Pa/s.
     """
 
     first: dict[str, float]
@@ -41,10 +42,19 @@ class Beginning(NamedTuple):
                  for name, values in signals.items()}
         moves = np.flatnonzero((np.abs(command - command[0]) > _STILL) | (since > _RESTS))
         still = slice(int(moves[0])) if len(moves) and moves[0] > _FIRST else slice(_FIRST)
+        moving = any(_drifts(since[still], values[still]) for values in signals.values())
+        still = near if moving else still
         pressure = signals.get('pump_outlet_pressure', signals.get('motor_inlet_pressure'))
-        return cls(first, {name: float(values[still].mean()) for name, values in signals.items()},
-                   0.0 if pressure is None else
-                   float(np.polyfit(since[still], pressure[still], 1)[0]))
+        return cls(first, first if moving else {
+            name: float(values[still].mean()) for name, values in signals.items()},
+            0.0 if pressure is None else float(np.polyfit(since[still], pressure[still], 1)[0]))
+
+
+def _drifts(since: np.ndarray, values: np.ndarray) -> bool:
+    """Say whether a reading begins elsewhere than where it goes on, by more than it swings."""
+    late = values[since > 0.5 * since[-1]]
+    return len(values) > 2 * _FIRST and bool(
+        abs(values[:_FIRST].mean() - late.mean()) > _SWINGS * late.std())
 
 
 def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np.ndarray,

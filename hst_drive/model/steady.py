@@ -84,16 +84,30 @@ def operating_point(drive: Drive, speed: float, load_torque: float | None = None
         raise InputError(f'{drive.rig.name}: {speed:.4g} rad/s under {pressure / 1e5:.4g} bar is '
                          'beyond what the pump gives; choose a lower speed or load')
     command = brentq(flow_missing, low, high, xtol=1e-10)
-    state = _state(drive, command, pprv_command, speed, pressure)
+    state = _state(drive, command, pprv_command, temperature, speed, pressure)
     readings = drive.outputs(state, pump_command=command, pprv_command=pprv_command,
                              oil_temperature=temperature)
     return OperatingPoint(command, pprv_command, temperature, state, readings)
 
 
-def _state(drive: Drive, command: float, pprv_command: float, speed: float,
+def twist_at(drive: Drive, torque: float) -> float:
+    """Return the twist (rad) at which a shaft that may harden carries a torque (N.m)."""
+    def missing(twist: float) -> float:
+        return twist - torque * drive.slot('shaft_compliance', twist=twist)
+
+    most = torque * drive.slot('shaft_compliance', twist=0.0)
+    return float(brentq(missing, 0.0, most)) if most > 0.0 and missing(most) > 0.0 else most
+
+
+def _state(drive: Drive, command: float, pprv_command: float, temperature: float, speed: float,
            pressure: float) -> np.ndarray:
-    return drive.initial_state(pump_command=command, pprv_command=pprv_command,
-                               pressure=pressure, speed=speed)
+    state = drive.initial_state(pump_command=command, pprv_command=pprv_command,
+                                pressure=pressure, speed=speed)
+    if drive.has_flexible_shaft:
+        load = drive.load_torque(np.array([0.0, 1.0]), *(np.full(2, value) for value in (
+            pprv_command, speed, temperature)))
+        state[6] = twist_at(drive, float(load[0]))
+    return state
 
 
 def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: float) -> float:
@@ -115,7 +129,7 @@ def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: f
 
 def _readings(drive: Drive, command: float, pprv_command: float, temperature: float, speed: float,
               pressure: float) -> dict[str, float]:
-    return drive.outputs(_state(drive, command, pprv_command, speed, pressure),
+    return drive.outputs(_state(drive, command, pprv_command, temperature, speed, pressure),
                          pump_command=command, pprv_command=pprv_command,
                          oil_temperature=temperature)
 

@@ -27,7 +27,7 @@ UNITS = {'pump_outlet_pressure': 'Pa', 'motor_inlet_flow': 'm^3/s', 'motor_speed
 @pytest.fixture(scope='module')
 def run():
     """Return a short recording."""
-    return record(3, duration=4.0)
+    return record(3, duration=4.0, settled=True)
 
 
 @pytest.fixture(scope='module')
@@ -91,7 +91,7 @@ def test_a_bag_gives_what_the_csv_gives(run, log, tmp_path, capsys):
 
 
 def test_several_logs(log, tmp_path, capsys):
-    run = record(4, duration=4.0)
+    run = record(4, duration=4.0, settled=True)
     write_csv(tmp_path / 'run.csv', run)
     code, out, err = command(capsys, log, tmp_path / 'run.csv', '--plot', tmp_path / 'a.png',
                              '--json', tmp_path / 'a.json')

@@ -51,5 +51,5 @@ def test_a_shaft_that_is_hardly_damped_is_found_with_its_size():
 def test_a_wrong_number_of_the_datasheet_is_told(folder, quantity, percent):
     found = answer(folder)
     assert found.verdict == 'unknown' and not found.effects
-    told = found.sentence[found.sentence.index(quantity):].split()
+    told = found.sentence[found.sentence.rindex(quantity):].split()
     assert float(told[1]) == pytest.approx(percent, abs=2.0) and told[2:4] == ['%', 'above']

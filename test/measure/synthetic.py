@@ -19,10 +19,11 @@ def coloured(random, n, step, std, time_constant):
 
 
 def record(seed=0, *, duration=30.0, rate=100, roughness=1.5, time_constant=0.1, noise=1.0,
-           leave_out=(), effects=None, rig=None):
+           leave_out=(), effects=None, rig=None, settled=False):
     """
     Make a recording: steps and ramps of both commands, running from the first sample on.
 
+    Unless ``settled`` the pump's command steps at the first sample.
     ``noise`` scales that of the torque sensor alone.
     """
     random = np.random.default_rng(seed)
@@ -33,13 +34,15 @@ def record(seed=0, *, duration=30.0, rate=100, roughness=1.5, time_constant=0.1,
     part = np.minimum((time / 3.0).astype(int), 99)
     pump = random.uniform(4.4, 6.4, 100)[part]
     pprv = random.uniform(1.8, 4.4, 100)[part] + 0.3 * np.sin(2 * np.pi * time / 7)
+    start = operating_point(drive, 10.0, pprv_command=pprv[0])
+    if settled:
+        pump[part == 0] = start.pump_command
     # What a recorder stores is what was held.
     every = round(1 / rate / step)
     held = np.arange(len(time)) // every * every
     pump, pprv = pump[held], pprv[held]
     temperature = 323.15 + 5 * np.sin(2 * np.pi * time / 40)
     load = coloured(random, len(time), step, roughness, time_constant)
-    start = operating_point(drive, 10.0, pprv_command=pprv[0])
     state = start.state.copy()
     exact = drive.simulate(time, {'pump_command': pump, 'pprv_command': pprv,
                                   'oil_temperature': temperature, 'load_disturbance': load},

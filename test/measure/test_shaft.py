@@ -3,8 +3,9 @@
 """What a torque sensor on a flexible shaft tells of the load, against the equations solved."""
 from hst_drive.effects.base import USUAL_DAMPING_TIME
 from hst_drive.measure.noise import Coloured
-from hst_drive.measure.shaft import Behind, behind, load_side, LoadSide, twist_at
+from hst_drive.measure.shaft import Behind, behind, load_side, LoadSide
 from hst_drive.model import Drive
+from hst_drive.model.steady import twist_at
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest

@@ -41,6 +41,19 @@ def test_every_balance_is_at_rest_in_an_operating_point(speed, load):
     np.testing.assert_allclose(later[:4], point.state[:4], rtol=1e-5)
 
 
+@pytest.mark.parametrize('hardening', [0.0, 30.0])
+def test_a_twisted_shaft_is_at_rest_in_an_operating_point(hardening):
+    drive = Drive(default_rig(), {'shaft_compliance': {'compliance': 0.003,
+                                                       'hardening': hardening}})
+    point = operating_point(drive, 10.0, 150.0)
+    stiff = operating_point(Drive(default_rig()), 10.0, 150.0)
+    assert point.readings['load_torque'] == pytest.approx(150.0, rel=1e-6)
+    assert point.pump_command == pytest.approx(stiff.pump_command, rel=1e-6)
+    later = drive.advance(point.state, 1.0, pump_command=point.pump_command,
+                          pprv_command=point.pprv_command)
+    np.testing.assert_allclose(later[:7], point.state[:7] + [0, 0, 0, 0, 10.0, 0, 0], rtol=1e-4)
+
+
 @pytest.mark.parametrize('speed, load, expected', [
     (400, 100.0, 'beyond what the pump gives'), (100, 5000.0, 'more than the loading unit brakes'),
 ])

@@ -17,7 +17,7 @@ from ..measure.synthetic import record
 @pytest.fixture(scope='module')
 def log():
     """Return one compared log with a gap."""
-    run = record(1, duration=2.0)
+    run = record(1, duration=2.0, settled=True)
     run.channels['motor_speed'][50:60] = np.nan
     return compare(Drive(default_rig()), [run]).logs[0]
 

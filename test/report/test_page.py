@@ -48,7 +48,7 @@ def made_up_diagnosis(logs=()):
 def folder(tmp_path_factory):
     """Return a folder with a short log of a drive that leaks."""
     place = tmp_path_factory.mktemp('report')
-    write_csv(place / 'run.csv', record(3, duration=5.0, effects={
+    write_csv(place / 'run.csv', record(3, duration=5.0, settled=True, effects={
         'motor_leakage': {'conductance': 1e-12}}))
     (place / 'd.json').write_text(json.dumps(made_up_diagnosis([str(place / 'run.csv')])))
     return place
