@@ -114,7 +114,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     for rival in sorted(found, key=lambda item: item.score):
         entry = next(entry for entry in rival.names if entry not in others)
         if rival.score - best.score <= BEATEN_SCORE or not (
-                at_its_end(rival.fit.model, entry)
+                at_its_end(search.campaign, rival.fit.model, entry)
                 or any(gap.sigma >= BEATEN_SIGMA and gap.forms >= 1.0 for gap in gaps(
                     search, best, rival, without, uncertainty((name,), (entry,))))):
             standing.append(entry)

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.diagnose.columns import Column, columns
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, Parameter
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -136,15 +136,29 @@ class Campaign:
             return f'needs one of the channels {", ".join(channels)}'
         return ''
 
+    def parameter(self, name: str, key: str) -> Parameter:
+        """Return a parameter of an effect, with bounds that are plausible on this machine."""
+        return catalogue(everything=True)[name].parameter(key)
+
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
-        return catalogue()[name].typical
+        return {entry.name: self.parameter(name, entry.name).typical
+                for entry in catalogue(everything=True)[name].parameters}
 
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter of an effect is fitted rather than chosen."""
         parameter = catalogue(everything=True)[name].parameter(key)
         return not parameter.fixed and (parameter.whole_drive
                                         or parameter.recorded_in(self.signals))
+
+    @staticmethod
+    def alike(column: Column, chosen: np.ndarray, moved: np.ndarray, more: np.ndarray) -> float:
+        """
+        Return which share of what an effect does (``more``) others could do in another form.
+
+        What they do (``moved``) shapes a replay long after: here any of it.
+        """
+        return 1.0
 
     def scatter(self, name: str) -> float:
         """

@@ -211,14 +211,14 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
     if search.campaign.slow():
         return []       # of slow records the floors are not known so well
     found = [entry for entry in search.singles()
-             if relieves(search, entry) and _size(entry) >= _WORTH]
+             if relieves(search, entry) and _size(search.campaign, entry) >= _WORTH]
     return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
 
 
-def _size(single: Candidate) -> float:
+def _size(campaign: Campaign, single: Candidate) -> float:
     """Return the size of a single effect over its typical one."""
     name, = single.names
-    size = catalogue()[name].parameters[0]
+    size = campaign.parameter(name, catalogue()[name].parameters[0].name)
     return abs(single.fit.model.effects[name][size.name] / size.typical)
 
 

@@ -280,9 +280,10 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
     return abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key]
 
 
-def at_its_end(model: Model, name: str) -> bool:
+def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:
     """Say whether a parameter of an effect sits at an end of what is plausible on a machine."""
-    for place, entry in enumerate(catalogue(everything=True)[name].parameters):
+    for place, declared in enumerate(catalogue(everything=True)[name].parameters):
+        entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
         # None of something, the ends of a bare number that shapes an effect and may be other forms
         # of it, and all of a share are as plausible as what lies between.

@@ -72,15 +72,22 @@ def excess(ratios: Mapping[str, float]) -> float:
     return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
 
 
-def contribution(campaign: Campaign, base: Fit, model: Fit,
-                 held_out: bool = True) -> dict[str, float]:
-    """Return what the effects of a model do to each signal, rms in floors."""
+def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool = True,
+                 added: Fit | None = None) -> dict[str, float]:
+    """
+    Return what the effects of a model do to each signal, rms in floors.
+
+    With ``added``, a fit with more effects: as far as what those add could be another form of it.
+    """
     total: dict[str, list[float]] = {}
-    for first, second, column in zip(base.errors, model.errors, campaign.columns):
+    for place, (first, second, column) in enumerate(zip(
+            base.errors, model.errors, campaign.columns)):
         chosen = column.judge if held_out else column.fit
         moved = ((first - second) * column.trust)[chosen]
         entry = total.setdefault(column.signal, [0.0, 0.0])
-        entry[0] += float(moved @ moved)
+        alike = 1.0 if added is None else campaign.alike(
+            column, chosen, moved, ((second - added.errors[place]) * column.trust)[chosen])
+        entry[0] += alike * float(moved @ moved)
         entry[1] += len(moved)
     return {name: float(np.sqrt(power / count)) if count else 0.0
             for name, (power, count) in total.items()}

@@ -75,7 +75,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         if unseen:
             found.append(Visibility(name, np.inf, unseen))
             continue
-        size = effect.parameters[0]
+        size = campaign.parameter(name, effect.parameters[0].name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         smallest = abs(size.typical) * _smallest(move, factors, normal, room, grams)

@@ -7,9 +7,11 @@ from typing import Sequence
 
 from hst_drive.diagnose.campaign import (
     BLOCK, Campaign, EVENTS, Model, SETTLE)
+from hst_drive.diagnose.columns import Column
 from hst_drive.diagnose.observable import unread
-from hst_drive.effects import catalogue
-from hst_drive.measure.balances import is_part
+from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects.base import DRILLING_SPEED
+from hst_drive.measure.balances import is_part, TORQUES
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
 from hst_drive.model.part import PartModel
@@ -19,6 +21,7 @@ import numpy as np
 _BLOCKS = 60            # a record is cut into so many at least
 _LONGEST = 0.5          # s; nothing is simulated, so errors have no long memory
 _ROWS = 3.0             # operating points in a block of a table
+_TORQUE = 150.0         # N.m: usual at the drill drive, for which the catalogue has its bounds
 
 
 def campaign_of(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()) -> Campaign:
@@ -52,8 +55,15 @@ class PartCampaign(Campaign):
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
+        self._torque, self._speed = (
+            max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
+            for names, reference in ((TORQUES, _TORQUE), (('motor_speed',), DRILLING_SPEED)))
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else EVENTS
+
+    def parameter(self, name: str, key: str) -> Parameter:
+        """Return a parameter with bounds that go with the torques and speeds of the logs."""
+        return super().parameter(name, key).sized(self._torque, self._speed)
 
     def slow(self, name: str = '') -> bool:
         """Say that nothing is replayed, so that nothing drifts out of step."""
@@ -96,6 +106,8 @@ class PartCampaign(Campaign):
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""
+        if catalogue()[name].both_ways and not any(replay.reverses for replay in self.replays):
+            return 'needs a log that turns both ways: in one direction it is dry friction'
         if self._moves(Model({name: self.typical(name)}, {})):
             return ''
         enters = catalogue()[name].enters
@@ -123,6 +135,16 @@ class PartCampaign(Campaign):
             # As well as there where the effect is measured by itself.
             return any(entry.needs in self.signals for entry in effect.parameters)
         return parameter.recorded_in(self.signals)
+
+    def alike(self, column: Column, chosen: np.ndarray, moved: np.ndarray,
+              more: np.ndarray) -> float:
+        """Return it where nothing is replayed: another form is a factor on what others do."""
+        power = float(more @ more)
+        if not power:
+            return 1.0
+        forms = self.replays[column.log].even[chosen] * moved[:, None]
+        left = more - forms @ np.linalg.lstsq(forms, more, rcond=None)[0]
+        return 1.0 - float(left @ left) / power
 
     def scatter(self, name: str) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

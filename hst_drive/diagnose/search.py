@@ -118,7 +118,7 @@ class Search:
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""
         score = self.score(found)
-        if any(at_its_end(found.model, name) for name in names):
+        if any(at_its_end(self.campaign, found.model, name) for name in names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
@@ -136,13 +136,13 @@ class Search:
         fitted counts, if nothing gets worse on the others.
         """
         held_out = self.gain(before, after)
-        return worthwhile(held_out, self.done(before)) or self._on_fitted(
-            before, held_out, self.gain(before, after, False))
+        return worthwhile(held_out, self.done(before, after)) or self._on_fitted(
+            before, after, held_out, self.gain(before, after, False))
 
-    def _on_fitted(self, before: Candidate, held_out: Gain, fitted: Gain,
+    def _on_fitted(self, before: Candidate, after: Candidate, held_out: Gain, fitted: Gain,
                    form: float = FORM_SHARE) -> bool:
-        return unharmed(held_out) and worthwhile_in_part(
-            fitted, contribution(self.campaign, self.base, before.fit, False), form)
+        return unharmed(held_out) and worthwhile_in_part(fitted, contribution(
+            self.campaign, self.base, before.fit, False, after.fit), form)
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -156,9 +156,9 @@ class Search:
         if lent and not any(found.share[name] >= PRACTICAL and found.amount[name] >= lent[name]
                             for found in (held_out, fitted) for name in found.share):
             return False
-        done = self.done(before)
+        done = self.done(before, after)
         form = NEAR_NOISE * FORM_SHARE
-        if self._on_fitted(before, held_out, fitted, form):
+        if self._on_fitted(before, after, held_out, fitted, form):
             return True
         return unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
@@ -183,9 +183,10 @@ class Search:
             shares.setdefault(column.signal, []).append(1.0 - (noise * column.scale)**2)
         return {name: float(np.mean(values)) for name, values in shares.items()}
 
-    def done(self, candidate: Candidate) -> dict[str, float]:
+    def done(self, candidate: Candidate, after: Candidate | None = None) -> dict[str, float]:
         """Return what the candidate's effects do to each signal, rms in floors."""
-        return contribution(self.campaign, self.base, candidate.fit)
+        return contribution(self.campaign, self.base, candidate.fit,
+                            added=after.fit if after else None)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

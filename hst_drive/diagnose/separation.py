@@ -249,7 +249,8 @@ def _apart(search: Search, best: Candidate, rival: Candidate, kept: Model) -> fl
     """Return in sigma how far a diagnosis would see the best above a rival."""
     if rival.score - best.score <= BEATEN_SCORE:
         return 0.0
-    if any(at_its_end(rival.fit.model, name) for name in rival.names if name not in best.names):
+    if any(at_its_end(search.campaign, rival.fit.model, name) for name in rival.names
+           if name not in best.names):
         return _MOST
     without = best.fit._replace(errors=search.campaign.errors(kept))
     found = gaps(search, best, rival, without, _uncertainty(best.fit.model, rival.fit.model))

@@ -66,7 +66,7 @@ def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Model
 
 def _sigmas(campaign: Campaign, model: Model, known: Spread, name: str) -> float:
     """Return by how many standard deviations an effect is there; 0 at the end of its range."""
-    if at_its_end(model, name):
+    if at_its_end(campaign, model, name):
         return 0.0
     places = [known.unknowns.names.index((name, key)) for key in _sizes(campaign, model, name)
               if (name, key) in known.unknowns.names]

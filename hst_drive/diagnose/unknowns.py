@@ -6,7 +6,6 @@ from __future__ import annotations
 from typing import Collection
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.formula import FORMULAS
 import numpy as np
 
@@ -32,6 +31,7 @@ class Unknowns:
                         if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
                         and (name, key) not in kept))
         self.factors = len(factors)     # of the unit; they come first
+        self._parameter = campaign.parameter
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.bounds = np.array(limits).reshape(-1, 2)       # SI
@@ -40,13 +40,14 @@ class Unknowns:
     def _scale(self, effect: str, key: str) -> float:
         if not effect:
             return self.tolerances[key]
-        parameter = _parameter(effect, key)
+        parameter = self._parameter(effect, key)
         return abs(parameter.typical) or min(parameter.high, 1.0)
 
     def _limits(self, effect: str, key: str) -> tuple[float, float]:
         if not effect:
             return -SIGMAS * self.tolerances[key], SIGMAS * self.tolerances[key]
-        return _parameter(effect, key).low, _parameter(effect, key).high
+        parameter = self._parameter(effect, key)
+        return parameter.low, parameter.high
 
     def pack(self, model: Model) -> np.ndarray:
         """Return the vector of a model."""
@@ -64,7 +65,3 @@ class Unknowns:
             else:
                 factors[key] = float(value)
         return Model(effects, factors)
-
-
-def _parameter(effect: str, key: str) -> Parameter:
-    return catalogue(everything=True)[effect].parameter(key)

@@ -10,7 +10,7 @@ page, documentation and tests follow from the declaration.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import inspect
 import math
 from typing import Any, Callable, Collection, Mapping, NamedTuple
@@ -93,6 +93,8 @@ _KNOWN: dict[str, frozenset[str]] = {
                     _COMMANDS | {'pressure', 'flow', 'load_torque', 'pump_speed'}),
 }
 _BUILTINS = frozenset({'abs', 'max', 'min'})
+# Powers of a machine's torque and speed in the units whose sizes go with them.
+_POWERS = {'N.m': (1, 0), 'rad/s': (0, 1), 'N.m.s/rad': (1, -1), 'N.m.s^2/rad^2': (1, -2)}
 
 
 def readable(slot: str) -> frozenset[str]:
@@ -126,6 +128,14 @@ class Parameter:
     whole_drive: bool = False
     needs: str = ''
     usual: tuple[float, ...] = ()
+
+    def sized(self, torque: float, speed: float) -> Parameter:
+        """Return it for a machine whose torque and speed are so many times the drill drive's."""
+        of_torque, of_speed = _POWERS.get(self.unit, (0, 0))
+        factor = torque**of_torque * speed**of_speed
+        return replace(self, low=self.low * factor, high=self.high * factor,
+                       typical=self.typical * factor,
+                       neutral=self.neutral * factor)
 
     def recorded_in(self, channels: Collection[str]) -> bool:
         """Say whether the channel that it needs, if any, is there."""
@@ -181,6 +191,8 @@ class Effect:
     searched : str
         Where a diagnosis searches it: 'always', only in logs of a part ('parts': elsewhere another
         effect can take its form, and it is tried in that one's place), or 'never'.
+    both_ways : bool
+        Whether only logs that turn both ways show it: elsewhere it is the same as friction.
 
     Raises
     ------
@@ -206,6 +218,7 @@ class Effect:
     swings: Callable[[Mapping[str, float], int], tuple[float, dict[str, float]]] | None = None
     gauge: str = ''
     searched: str = 'always'
+    both_ways: bool = False
 
     def __post_init__(self):
         if not self.id.isidentifier():

@@ -11,7 +11,7 @@ from hst_drive.effects.base import Effect, Parameter
 
 def torque_loss(pressure, motor_displacement, coulomb, load_share):
     """Return the friction torque that opposes rotation, N.m."""
-    return coulomb + load_share * max(pressure, 0.0) * motor_displacement
+    return coulomb + load_share * abs(pressure) * motor_displacement
 
 
 EFFECT = Effect(
@@ -19,7 +19,7 @@ EFFECT = Effect(
     title='Coulomb friction, with or without a load-dependent part',
     slot='motor_torque_loss',
     function=torque_loss,
-    equation='T = coulomb + load_share * P*D_m',
+    equation='T = coulomb + load_share * |P|*D_m',
     parameters=(
         Parameter('coulomb', 'N.m', 0.0, 500.0, 12.0,
                   'friction torque that does not depend on load'),

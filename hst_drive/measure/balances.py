@@ -10,11 +10,12 @@ from hst_drive.rig import Rig
 import numpy as np
 
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
-_TORQUES = ('motor_torque', 'load_torque')
+TORQUES = ('motor_torque', 'load_torque')
 _SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
 _FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
+_BACKWARDS, _SELDOM = 0.02, 0.01     # of the greatest speed; of the rows
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
 
 
@@ -34,7 +35,7 @@ class Balance(NamedTuple):
 
 
 BALANCES: tuple[Balance, ...] = (
-    Balance('hydromotor torque', _TORQUES, (PRESSURES, ('motor_speed',)),
+    Balance('hydromotor torque', TORQUES, (PRESSURES, ('motor_speed',)),
             ('motor.displacement_cc_rev',)),
     Balance('mass', ('motor_torque',), (('motor_speed',),), ('motor.inertia_total_kg_m2',),
             PRESSURES),
@@ -75,9 +76,19 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
             continue
         if balance.name == 'line' and not ('motor_inlet_flow' in run or 'motor_speed' in run):
             continue
+        if balance.name == 'return line' and not _returns(run):
+            continue
         if signal not in found:
             found[signal] = balance.name
     return found
+
+
+def _returns(run: Run) -> bool:
+    """Say whether the outlet is a return line: none that drives, nor one that is an inlet, too."""
+    inlet = next(run[name] for name in PRESSURES if name in run)
+    speed, outlet = run['motor_speed'], run['motor_outlet_pressure']
+    backwards = speed < -_BACKWARDS * np.nanmax(np.abs(speed))
+    return float(np.mean(backwards | (outlet > inlet))) < _SELDOM
 
 
 def _missing(balance: Balance, run: Run, rig: Rig) -> list[str]:

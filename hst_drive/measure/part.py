@@ -11,6 +11,7 @@ noise is differentiated, and what is faster than the Gaussian is lost on both si
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 from hst_drive.errors import InputError
@@ -29,7 +30,11 @@ from scipy.ndimage import gaussian_filter1d
 _DRAWS = 3
 _NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
-_CREEPING = 0.5         # rad/s; below it friction hangs on how it changes its sign
+_USUAL = 95.0           # percentile of a reading's size
+# Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
+_CREEPING = 0.05
+_BOTH = 0.05            # of the rows: so many in either direction tell it from the other
+_SCATTER = 5.0          # deviations of the speed's noise: below it no sign is known
 
 
 class PartReplay:
@@ -97,6 +102,9 @@ class PartReplay:
             'pump_command', 'pprv_command', 'oil_temperature') if name in used}
         if 'motor_speed' in used and not self.static:
             self.inputs['motor_angle'] = turned(run.time, self._channels['motor_speed'])
+        self._creeping = max(
+            0.0 if self.static else _CREEPING * self.usual('motor_speed'),
+            _SCATTER * self._noise_of('motor_speed', model, 0.0)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
         self._input_noise = {name: self._noise_of(name, model, 0.0) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
@@ -106,9 +114,30 @@ class PartReplay:
         if 'motor_angle' in self.inputs:
             into_step(self, model)
 
+    def usual(self, *names: str) -> float:
+        """Return the size, SI, that the first of some channels usually has; 0 without one."""
+        return next((float(np.percentile(np.abs(self._channels[name]), _USUAL))
+                     for name in names if name in self._channels), 0.0)
+
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""
         return np.isfinite(self.run[name])
+
+    @cached_property
+    def reverses(self) -> bool:
+        """Whether the shaft turns both ways."""
+        speed = self._channels.get('motor_speed', np.zeros(1))
+        return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
+
+    @cached_property
+    def even(self) -> np.ndarray:
+        """Smooth functions of the operating point that take no notice of a direction, (n, k)."""
+        found = [np.ones(len(self.run))]
+        for name in (*PRESSURES, 'motor_speed'):
+            if name in self._channels:
+                size = np.abs(self._channels[name]) / (self.usual(name) or 1.0)
+                found += [size, size**2]
+        return np.column_stack(found)
 
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""
@@ -188,7 +217,7 @@ class PartReplay:
         spread = int(np.ceil(3 * self._widths[name]))
         unknown = self._missing
         if self.balances[name] in ('hydromotor torque', 'mass'):
-            unknown = unknown | (np.abs(self._channels['motor_speed']) < _CREEPING)
+            unknown = unknown | (np.abs(self._channels['motor_speed']) <= self._creeping)
         missing = np.convolve(unknown, np.ones(2 * spread + 1), 'same') > 0.5
         missing[:spread] = True
         missing[len(missing) - spread:] = True
@@ -219,6 +248,7 @@ class PartReplay:
         known: dict[str, Any] = {name: channels[name] for name in (
             'motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature')
             if name in channels}
+        known['creeping'] = self._creeping
         known.setdefault('oil_temperature', np.full(len(self.run), model.rig.characterised_at))
         if 'motor_angle' in self.inputs:
             known['motor_angle'] = self.inputs['motor_angle']
@@ -231,6 +261,8 @@ class PartReplay:
             known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
             if source == 'motor_inlet_pressure':
                 known['pressure'] = known['pump_pressure']
+            if 'motor_outlet_pressure' in channels:
+                known['outlet_pressure'] = channels['motor_outlet_pressure']
         self._add_flow(model, known, channels)
         if source == 'pump_outlet_pressure' and 'motor_inlet_pressure' not in channels and (
                 'flow' in known):

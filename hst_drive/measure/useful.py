@@ -7,6 +7,7 @@ from typing import Mapping, NoReturn, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
+from hst_drive.measure.noise import steady_noise
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
 from hst_drive.units import from_si
@@ -14,6 +15,7 @@ import numpy as np
 
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
 _TURNS = 0.1        # rad/s: about 1 rpm, several times what a speed sensor scatters
+_SCATTER = 5.0      # deviations of its noise: a part of a drive may turn as slowly as it likes
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 _STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
 
@@ -62,8 +64,8 @@ def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
 def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
     """Raise InputError where no row of the signals that were measured can be judged."""
     raise InputError(f'{source}: no row of {", ".join(names)} can be judged: each is missing, or '
-                     'the drive rests or turns slower than 0.5 rad/s (5 rpm); record it turning, '
-                     'or give speed and torque of a faster shaft')
+                     'the drive rests or creeps (below 0.5 rad/s, 5 rpm; a part: below 5 % of its '
+                     'usual speed); record it turning')
 
 
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
@@ -86,10 +88,11 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
                 f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second, at '
                 f'least one each {_SLOWEST:g} s: what the drive does between rows decides. '
                 "Record faster; if the times are not seconds, name their unit ('time[ms]')")
-    speeds = [_finite(np.abs(run['motor_speed'])) if 'motor_speed' in run else np.zeros(0)
-              for run in runs]
-    if all(len(speed) and np.percentile(speed, _TAIL) < _TURNS for speed in speeds):
-        greatest = from_si(max(speed.max() for speed in speeds), 'rpm')
+    speeds = [_finite(run['motor_speed']) if 'motor_speed' in run else np.zeros(0) for run in runs]
+    if all(len(speed) and np.percentile(np.abs(speed), _TAIL) <= (
+            _SCATTER * steady_noise(speed) if is_part(run, rig) else _TURNS)
+            for run, speed in zip(runs, speeds)):
+        greatest = from_si(max(np.abs(speed).max() for speed in speeds), 'rpm')
         raise InputError(
             f'{", ".join(run.source for run in runs)}: the drive never turns (motor_speed is '
             f'{greatest:.2g} rpm at most); nothing can be told from a drive at rest: record it '

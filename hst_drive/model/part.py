@@ -18,7 +18,6 @@ from hst_drive.effects import catalogue, READABLE
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
-from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import played
 from hst_drive.rig import Rig
@@ -26,6 +25,7 @@ from hst_drive.rig.rig import Line
 import numpy as np
 
 Known = Mapping[str, Any]
+_STEEP = 3.0    # friction has its sign but for 0.5 % where the speed is no longer creeping
 
 
 class PartModel:
@@ -130,13 +130,19 @@ class PartModel:
         """Return the torque of the hydromotor without that of its inertia, N.m."""
         speed, pressure = known['motor_speed'], known.get('pressure', 0.0)
         hydraulic: Any = 0.0
+        direction = np.tanh(_STEEP * speed / known['creeping']) if known.get('creeping') else (
+            np.sign(speed))
         if 'pressure' in known:
+            outlet = known.get('outlet_pressure')
+            if outlet is not None:
+                known = {**known, 'pressure': pressure - outlet}
             efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(pressure, np.abs(speed)))
-            back = self.terms('back_pressure', known)
-            hydraulic = efficiency * np.maximum(pressure - back, 0.0) * self.motor_displacement
+                self.rig.motor.mechanical_efficiency(np.abs(known['pressure']), np.abs(speed)))
+            back = self.terms('back_pressure', known) if outlet is None else 0.0
+            ideal = (known['pressure'] - back) * self.motor_displacement
+            # What is lost brakes, whether oil drives the shaft or the shaft the oil.
+            hydraulic = ideal - (1.0 - efficiency) * np.abs(ideal) * direction
             known = {**known, 'efficiency': efficiency}
-        direction = np.tanh(speed / CONSTANTS['SIGN_WIDTH'])
         return (hydraulic + self.terms('motor_torque', known)
                 - self.terms('motor_torque_loss', known) * direction)
 

@@ -5,42 +5,16 @@ from dataclasses import replace
 
 from bench.campaigns import as_runs
 from hst_drive.cli.compare import text
-from hst_drive.diagnose.decide import diagnose
-from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
-from hst_drive.model.part import PartModel
-from hst_drive.rig import default_rig, parse_rig
+from hst_drive.rig import default_rig
 import numpy as np
 import pytest
 
 from ..truth import make_campaign
 
 TIME = np.arange(4000) * 0.005
-
-
-def axis(lever):
-    """Return the rig and the recording of a mass with friction, as if on a lever (m)."""
-    speed = 0.2 * np.sin(2 * np.pi * 0.4 * TIME)
-    force = 95.0 * np.gradient(speed, TIME) + 200.0 * speed + 20.0 * np.tanh(speed / 1e-3)
-    force += 2.0 * np.random.default_rng(1).standard_normal(len(TIME))
-    rig = parse_rig({'motor': {'inertia_total_kg_m2': 95.0 * lever**2}})
-    return rig, Run('axis', TIME, {'motor_speed': speed / lever, 'motor_torque': force * lever},
-                    'axis.csv')
-
-
-@pytest.mark.parametrize('verdict', [
-    lambda rig, run: compare(PartModel(rig), [run]), lambda rig, run: diagnose(rig, [run])])
-def test_an_axis_that_only_creeps_is_refused_in_one_line(verdict):
-    with pytest.raises(InputError, match='axis.csv: no row of motor_torque can be judged: .*'
-                                         'slower than 0.5 rad/s .* faster shaft'):
-        verdict(*axis(1.0))
-
-
-def test_the_same_axis_on_a_short_lever_is_judged():
-    rig, run = axis(0.01)
-    assert compare(PartModel(rig), [run]).signals['motor_torque'].samples > 2000
 
 
 def test_a_signal_without_a_usable_row_is_left_out_and_told():

@@ -1,0 +1,35 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A torque that does not change its sign with the rotation.
+
+A torque sensor that is off at zero, a hanging load, an amplifier with an offset. Where a drive
+turns one way only it is dry friction: it is searched in logs of a part that turns both ways.
+"""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def added(torque):
+    """Return the torque that drives the hydromotor beyond its own, N.m."""
+    return -torque
+
+
+EFFECT = Effect(
+    id='constant_torque',
+    title='a torque that does not change its sign with the rotation',
+    slot='motor_torque',
+    function=added,
+    equation='T = -torque, whichever way it turns',
+    parameters=(
+        Parameter('torque', 'N.m', -500.0, 500.0, 12.0,
+                  'what works against the positive direction'),
+    ),
+    telltale='Torque is off by the same amount in both directions: more than it should be in one, '
+             'less in the other.',
+    source='Drive torque with an offset beside Coulomb and viscous friction: M. Gautier, A. Janot '
+           'and P. O. Vandanjon, A new closed-loop output error method for parameter '
+           'identification of robot dynamics, IEEE Trans. Control Systems Technology 21 (2013).',
+    shows_in=('motor_torque', 'load_torque'),
+    searched='parts',
+    both_ways=True,
+)
