@@ -174,11 +174,12 @@ def split_header(text: str) -> tuple[str, str | None]:
     if not bracket and text.endswith(')'):
         name, _, unit = text.partition('(')
         # What stands in round brackets may as well be a remark, or the number of a copy.
-        return (name.strip(), unit[:-1].strip()) if _is_unit(unit[:-1]) else (text, None)
+        return (name.strip(), unit[:-1].strip()) if is_unit(unit[:-1]) else (text, None)
     return name.strip(), unit.rstrip(' ]') if bracket and unit.endswith(']') else None
 
 
-def _is_unit(text: str) -> bool:
+def is_unit(text: str) -> bool:
+    """Say whether a text is a unit, other than that of a bare number."""
     try:
         return canonical(text) not in ('1', '')
     except UnitError:

@@ -3,8 +3,10 @@
 """
 CSV recordings: one column per channel, ``name[unit]`` or ``name (unit)`` in the header.
 
-The unit in the header counts. Separators are comma, semicolon (with decimal point or comma) or
-tab; lines that begin with # and empty lines do not count; an empty cell is a missing sample.
+The unit in the header counts; units may have a line of their own below or above the names.
+Separators are comma, semicolon (with decimal point or comma) or tab; lines that begin with # and
+empty lines do not count; an empty cell is a missing sample. Stamps that are rounded more coarsely
+than rows come are spread evenly.
 """
 from __future__ import annotations
 
@@ -17,44 +19,87 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
-from hst_drive.bag.channels import ChannelMap, check_unit, Entry, left_out, split_header
+from hst_drive.bag.channels import ChannelMap, check_unit, Entry, is_unit, left_out, split_header
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import from_si
 import numpy as np
 
 _MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
+_NO_UNIT = ('', '-')
+_FEW, _FASTER = 10, 0.95    # stamps; rows so much closer than stamps are rounded share stamps
 
 
 class Layout(NamedTuple):
-    """What the header of a file says: which columns to take, and as what."""
+    """What the header of a file says, and in how many ``lines``: which columns, and as what."""
 
     header: list[str]
+    lines: int
     separator: str
     picks: list[tuple[int, Entry, str]]
     path: str
     notes: list[str]
 
-    def read(self, lines: Sequence[str], rows: Sequence[int]) -> tuple[
+    def read(self, lines: Sequence[str], rows: Sequence[int], whole: bool = False) -> tuple[
             np.ndarray, dict[str, np.ndarray]]:
-        """Return time (s) and channels (SI) of lines, of which ``rows`` are the numbers."""
+        """
+        Return time (s) and channels (SI) of lines, of which ``rows`` are the numbers.
+
+        Of a ``whole`` log rounded stamps are spread.
+        """
         columns = _parse(lines, rows, self.separator, self.header,
                          [column for column, _, _ in self.picks], self.path)
         values = [entry.to_si(columns[:, index], unit)
                   for index, (_, entry, unit) in enumerate(self.picks)]
+        if whole:
+            values[0] = _spread(values[0], self.notes)
         _check_time(values[0], rows, self.path)
         return values[0], {entry.channel: column
                            for (_, entry, _), column in zip(self.picks[1:], values[1:])}
 
 
-def layout_of(line: str, channel_map: ChannelMap, path: str) -> Layout:
-    """Return what a header line says."""
-    separator = separator_of(line)
-    header = [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
-    while header and not header[-1]:
-        header.pop()
+def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layout:
+    """Return what a header says, which the first line or the first two of a file hold."""
+    separator = separator_of(lines[0])
+    header, second = (_cells(line, separator) for line in (*lines, '')[:2])
+    count = 1
+    if _are_units(header) and not any(map(_is_number, second)):
+        header, second = second, header
+    if _are_units(second) and not _are_units(header):
+        count, second = 2, [*second, *[''] * len(header)]
+        header = [f'{name}[{unit.strip("[]()")}]' if unit not in _NO_UNIT
+                  and split_header(name)[1] is None else name
+                  for name, unit in zip(header, second)]
     notes: list[str] = []
-    return Layout(header, separator, _picks(header, channel_map, path, notes), path, notes)
+    return Layout(header, count, separator, _picks(header, channel_map, path, notes), path, notes)
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    named = [cell.strip('[]()') for cell in cells if cell not in _NO_UNIT]
+    return bool(named) and all(map(is_unit, named))
+
+
+def _spread(time: np.ndarray, notes: list[str]) -> np.ndarray:
+    """Return stamps (s) that rise where several rows have one because stamps are rounded."""
+    steps = np.diff(time)
+    if not np.isfinite(time).all() or not (steps == 0).any() or (steps < 0).any():
+        return time
+    first = np.flatnonzero(np.append(True, steps > 0))
+    rounding = float(steps[steps > 0].min(initial=np.inf))
+    if len(first) < _FEW or time[-1] - time[0] > _FASTER * rounding * len(steps):
+        return time     # a clock that stood still
+    rows = np.diff(np.append(first, len(time)))
+    notes.append(f'stamps are rounded to {rounding:.3g} s, rows come '
+                 f'{len(steps) / (time[-1] - time[0]):.4g} a second: spread evenly')
+    since = np.arange(len(time)) - np.repeat(first, rows)
+    return time + rounding * since / np.repeat(rows, rows)
 
 
 def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap()) -> Run:
@@ -68,10 +113,10 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
 
     """
     lines, rows = read_lines(Path(path))
-    layout = layout_of(lines[0], channel_map, str(path))
-    if len(lines) == 1:
+    layout = layout_of(lines[:2], channel_map, str(path))
+    if len(lines) == layout.lines:
         raise InputError(f'{path}: has a header but no rows of data')
-    time, channels = layout.read(lines[1:], rows[1:])
+    time, channels = layout.read(lines[layout.lines:], rows[layout.lines:], whole=True)
     return finish_run(Path(path).stem, time, channels, str(path), layout.notes)
 
 

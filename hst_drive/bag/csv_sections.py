@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import codecs
-from itertools import islice
+from itertools import chain, islice
 import os
 from pathlib import Path
 from typing import Iterator, NamedTuple
@@ -89,10 +89,11 @@ def _blocks(path: Path, channel_map: ChannelMap) -> Iterator[
         with open(path, encoding=_encoding(path), errors='replace', newline=None) as file:
             numbered = ((number, line) for number, line in enumerate(file, 1)
                         if line.strip() and not line.lstrip().startswith('#'))
-            header = next(numbered, None)
-            if header is None:
+            first = list(islice(numbered, 2))
+            if not first:
                 raise InputError(f'{path}: the file is empty')
-            layout = layout_of(header[1].rstrip('\n'), channel_map, str(path))
+            layout = layout_of([line.rstrip('\n') for _, line in first], channel_map, str(path))
+            numbered = chain(first[layout.lines:], numbered)
             while block := list(islice(numbered, _LINES)):
                 rows, lines = zip(*block)
                 yield layout.read([line.rstrip('\n') for line in lines], rows)

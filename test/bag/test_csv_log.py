@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """CSV recordings: what is written comes back, and what is wrong is said in one line."""
 from hst_drive.bag import read_csv, read_log, write_csv
+from hst_drive.bag.channels import ChannelMap
+from hst_drive.bag.csv_sections import csv_sections
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hypothesis import given, settings, strategies as st
@@ -64,6 +66,30 @@ def test_units_in_round_brackets_count_too(tmp_path, header):
     run = read_csv(save(tmp_path, header, [f'{0.1 * i:.1f},60,36' for i in range(20)]))
     assert run['motor_speed'][0] == pytest.approx(2 * np.pi)
     assert run['case_drain_flow'][0] == pytest.approx(1e-5)
+
+
+@pytest.mark.parametrize('above', [False, True])
+@pytest.mark.parametrize('reader', [
+    read_csv, lambda path: next(csv_sections(path, ChannelMap(), 10.0, 0.0, 0.0)).run])
+def test_units_may_have_a_line_of_their_own(tmp_path, reader, above):
+    names, units = 'time;motor_speed;pump_command;note', 's;[rpm];V;'
+    lines = [units, names] if above else [names, units]
+    path = tmp_path / 'a.csv'
+    path.write_text('\n'.join([*lines, *(f'{0.01 * k};{60 + k};5;{k}' for k in range(30))]))
+    run = reader(path)
+    assert len(run) == 30 and set(run.channels) == {'motor_speed', 'pump_command'}
+    assert run['motor_speed'][0] == pytest.approx(2 * np.pi)
+
+
+@pytest.mark.parametrize('rate', [5000, 1500, 1100])
+def test_rows_that_share_a_rounded_stamp_are_spread(tmp_path, rate):
+    exact = np.arange(3000) / rate
+    path = tmp_path / 'a.csv'
+    path.write_text('time[s],motor_speed[rpm]\n' + ''.join(
+        f'{np.floor(stamp * 1000 + 1e-6) / 1000:.3f},{60 + stamp}\n' for stamp in exact))
+    run = read_csv(path)
+    assert np.all(np.diff(run.time) > 0) and np.abs(run.time - exact).max() < 1e-3
+    assert any('rounded to 0.001 s' in note for note in run.notes)
 
 
 def test_other_words_in_round_brackets_are_part_of_the_name(tmp_path):
