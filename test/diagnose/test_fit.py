@@ -33,6 +33,9 @@ class Linear:
     def fits(self, name, key):
         return True
 
+    def parameter(self, name, key):
+        return catalogue()[name].parameter(key)
+
     def errors(self, model, *, to_fit=False):
         unknowns = [model.factors.get(key, 0.0) / value for key, value in TOLERANCES.items()]
         unknowns += [values[KEY] / TYPICAL for values in model.effects.values()]
