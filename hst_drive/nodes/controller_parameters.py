@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from hst_drive.control import SafetySettings
+from hst_drive.nodes.diagnostics import HARDWARE
 from hst_drive.nodes.parameters import Parameter
 
 _DEFAULTS = SafetySettings()
 PARAMETERS = (
     Parameter('mode', 'closed_loop', 'closed_loop: PI on the speed; open_loop: pass the '
               'manual command on'),
+    HARDWARE,
     Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
               'one there is'),
     Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),

@@ -10,9 +10,12 @@ from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
 from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_profile
+from hst_drive.nodes.parameters import Parameter
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
+HARDWARE = Parameter('hardware_id', '', 'name of the machine in /diagnostics; empty: the '
+                     'namespace')
 
 
 class Diagnostics:
@@ -29,6 +32,7 @@ class Diagnostics:
         self.publisher = node.create_publisher(
             message_class(self.topic.type), self.topic.name, qos_profile(self.topic.qos))
         self._log = node.get_logger()
+        self._hardware = node.settings['hardware_id'] or node.get_namespace().strip('/')
         self.published = 0
 
     def publish(self, stamp: int, name: str, level: int, message: str,
@@ -41,7 +45,7 @@ class Diagnostics:
             'header': {'stamp': {'sec': seconds, 'nanosec': nanoseconds},
                        'frame_id': self.topic.frame},
             'status': [{'level': level, 'name': name, 'message': message,
-                        'hardware_id': 'drive', 'values': [
+                        'hardware_id': self._hardware, 'values': [
                             {'key': key, 'value': str(value)} for key, value in values.items()]}],
         }))
         self.published += 1

@@ -12,6 +12,7 @@ from hst_drive.measure.online.drive import Figures, Observer, Settings, Watched
 from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
+from hst_drive.nodes.diagnostics import HARDWARE
 from hst_drive.nodes.parameters import Parameter
 from hst_drive.rig import default_rig, load_rig
 
@@ -34,6 +35,7 @@ class Estimator(DriveNode):
     role = 'estimator'
     parameters = (
         Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        HARDWARE,
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
                   'one there is'),
         Parameter('pump_joint', '', 'joint of the topic pump, likewise'),

@@ -1,6 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Of several joints the named one is read, or none; on the nodes' own processes."""
+import pytest
+
 from .machine import surroundings
 from .processes import node, wait_for
 
@@ -54,3 +56,17 @@ def test_the_estimator_tells_which_joints_it_cannot_choose_from():
             lambda message: told.extend(status.message for status in message.status), 10)
         machine.until(lambda: any('motor: 2 joints (feed, drill)' in text
                                   and 'parameter joint' in text for text in told), others=FEED)
+
+
+@pytest.mark.parametrize('options, expected', [
+    ((), 'third'), (('-p', 'hardware_id:=rig 7'), 'rig 7')])
+def test_diagnostics_name_the_machine(options, expected):
+    from diagnostic_msgs.msg import DiagnosticArray
+    with surroundings('third') as machine, node('controller', '-r', '__ns:=/third', *options), \
+            node('estimator', '-r', '__ns:=/third', *options):
+        told = {}
+        machine.node.create_subscription(
+            DiagnosticArray, '/diagnostics', lambda message: told.update(
+                (status.name.split(':')[0], status.hardware_id) for status in message.status), 10)
+        machine.until(lambda: len(told) == 2)
+        assert told == {f'/third/{name}': expected for name in ('controller', 'estimator')}
