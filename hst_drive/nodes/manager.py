@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Brings managed nodes up in order, and down in the opposite order at its own end."""
+"""Brings managed nodes up in order, watches them, and takes them down in the opposite order."""
 from __future__ import annotations
 
 import signal
@@ -23,6 +23,8 @@ _GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INA
           'cleanup': (Transition.TRANSITION_CLEANUP, State.PRIMARY_STATE_UNCONFIGURED)}
 _ANSWER = 1.0       # s until an answer is taken for lost, or the node for busy
 _FAREWELL = 2.0     # s, for each step on the way down
+_LOOK = 1.0         # s between two looks at the nodes
+_ACTIVE, _SILENT = 'active', 'silent'
 
 
 class Refused(Exception):
@@ -37,8 +39,12 @@ class Manager(Node):
         settings = declare(self, (
             Parameter('nodes', [], 'nodes to bring up, in this order'),
             Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
-                      3600.0)))
+                      3600.0),
+            Parameter('bring_back', False, 'bring a node up again that was restarted; with a '
+                      'controller that may move the bit')))
         self.names, self.patience = settings['nodes'], settings['patience']
+        self._bring_back = settings['bring_back']
+        self._seen: dict[str, str] = {}     # state by node, where it is not active
         if not self.names:
             raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
         self._spinner = SingleThreadedExecutor()
@@ -57,6 +63,41 @@ class Manager(Node):
                     self.up.append(name)
                 self.get_logger().info(f'{name}: {step}d')
 
+    def watch(self) -> None:
+        """Tell what is no longer active; bring up what has come back, if that is asked for."""
+        for name in self.names:
+            state, before = self._state_of(name), self._seen.pop(name, _ACTIVE)
+            if state != _ACTIVE:
+                self._seen[name] = state
+            if state == before:
+                continue
+            if state == _ACTIVE:
+                self.get_logger().info(f'{name}: is active again')
+            elif self._bring_back and state != _SILENT:
+                self.get_logger().error(f'{name}: is {state}; it is brought up again')
+                self._bring_up_again(name)
+            else:
+                self.get_logger().error(f'{name}: is {state}' + (
+                    '; start it again' if state == _SILENT else
+                    '; configure and activate it, or give bring_back:=true'))
+
+    def _bring_up_again(self, name: str) -> None:
+        try:
+            for step in ('configure', 'activate'):
+                self._go(name, step)
+        except Refused as problem:
+            self.get_logger().error(str(problem))
+
+    def _state_of(self, name: str) -> str:
+        ask = self._clients_of[name][1]
+        if not ask.service_is_ready():
+            return _SILENT
+        asked = ask.call_async(GetState.Request())
+        if self._wait(asked):
+            return asked.result().current_state.label
+        ask.remove_pending_request(asked)
+        return _SILENT
+
     def bring_down(self) -> None:
         """Deactivate and clean up what is up and still there, last things first."""
         # A launch that ends sends all of them home at once and gives us five seconds.
@@ -68,7 +109,9 @@ class Manager(Node):
                 try:
                     self._go(name, step)
                 except Refused as problem:
-                    self.get_logger().warning(str(problem))
+                    # What a launch has ended meanwhile went home by itself.
+                    if self._state_of(name) != _SILENT:
+                        self.get_logger().warning(str(problem))
                     break
         self.up.clear()
 
@@ -112,8 +155,12 @@ def main(args: list[str] | None = None) -> int:
         node = Manager()
         node.bring_up()
         print('all nodes are active', flush=True)
+        looked = time.monotonic()
         while not signals:
             time.sleep(0.1)
+            if time.monotonic() - looked > _LOOK:
+                node.watch()
+                looked = time.monotonic()
     except Refused as problem:
         print(f'manager: {problem}', file=sys.stderr, flush=True)
         code = 1

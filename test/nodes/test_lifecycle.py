@@ -3,6 +3,7 @@
 """Managed nodes, their manager, and two drives on one machine: processes over real DDS."""
 from contextlib import ExitStack
 from functools import partial
+import signal
 import subprocess
 import sys
 
@@ -96,6 +97,37 @@ def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path)
             assert Asker(client, name).state == 'unconfigured'
     topics = {topic for topic, _, _ in messages(tmp_path / 'bag')}
     assert {'/drive/pump_command', '/drive/motor', '/drive/speed_setpoint'} <= topics
+
+
+@pytest.mark.parametrize('bring_back', [False, True])
+def test_a_manager_tells_of_a_node_that_was_killed_and_may_bring_it_back(
+        client, tmp_path, bring_back):  # noqa: F811
+    def start(name, *arguments):
+        return subprocess.Popen([sys.executable, '-m', f'hst_drive.nodes.{name}', *arguments],
+                                env=environment(), stdout=log, stderr=log)
+
+    def said(text):
+        return text in (tmp_path / 'log').read_text()
+
+    with open(tmp_path / 'log', 'w') as log, ExitStack() as stack:
+        first = start('controller', '--managed')
+        manager = start('manager', '--ros-args', '-p', 'nodes:=[controller]', '-p',
+                        f'bring_back:={str(bring_back).lower()}')
+        stack.callback(manager.kill)
+        wait_for(lambda: said('all nodes are active'))
+        first.kill()
+        first.wait()
+        wait_for(lambda: said('controller: is silent; start it again'))
+        stack.enter_context(managed('controller'))
+        wait_for(lambda: said('controller: is unconfigured'))
+        ask = Asker(client, 'controller')
+        if not bring_back:
+            assert said('or give bring_back:=true') and ask.state == 'unconfigured'
+            assert ask(CONFIGURE) and ask(ACTIVATE)
+        wait_for(lambda: said('controller: is active again'))
+        assert ask.state == 'active'
+        manager.send_signal(signal.SIGINT)
+        assert manager.wait(timeout=PATIENCE) == 0 and ask.state == 'unconfigured'
 
 
 def test_what_was_due_when_a_node_closed_is_dropped():
