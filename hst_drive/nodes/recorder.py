@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 import math
+import shutil
 import sys
 import time
 from typing import TYPE_CHECKING
@@ -108,6 +109,9 @@ class Recorder(DriveNode):
             return
         try:
             written.close()
+            if not written.message_count:
+                # Nothing came, as when another node could not start: the name stays free.
+                shutil.rmtree(self.settings['output'])
         except OSError as error:
             self._lost(error)
             return

@@ -69,11 +69,12 @@ def test_best_effort_publishers_are_matched_and_noted(tmp_path):
     assert 'reliability: best_effort' in (bag / 'metadata.yaml').read_text()
 
 
-def test_a_recorder_without_publishers_leaves_an_empty_bag_that_is_whole(tmp_path):
+def test_a_recorder_without_publishers_leaves_nothing_so_that_the_name_stays_free(tmp_path):
     bag = tmp_path / 'bag'
-    with node('recorder', '-p', f'output:={bag}'):
-        wait_for(bag.is_dir)
-    assert (bag / 'metadata.yaml').is_file()
+    for _ in range(2):
+        with node('recorder', '-p', f'output:={bag}') as process:
+            wait_for(bag.is_dir)
+        assert process.out.splitlines()[-1] == 'recorded 0' and not bag.exists()
 
 
 def refused(folder):
