@@ -105,7 +105,7 @@ def test_broken_package_is_left_out(tmp_path, code, reason):
     line, = listing.stderr.splitlines()
     assert line.startswith("effect 'mine' of package 'broken-rig' is left out: ")
     assert reason in line
-    assert len(listing.stdout.splitlines()) == 2 + 27
+    assert len(listing.stdout.splitlines()) == 2 + 28
     if code is None:
         switched = python(environment, '-c', 'from hst_drive.model import Drive; from hst_drive.'
                           'rig import default_rig; Drive(default_rig(), {"mine": {}})')
