@@ -24,6 +24,7 @@ GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word
 _LONGEST_HOLE = 3600.0  # s that a replay bridges: beyond, these are two recordings
+_POINTS = 0.5           # s between rows, from which on they are operating points
 _APART = 5.0            # two signals differ by so many times what each changes by
 
 
@@ -94,7 +95,8 @@ def _interruptions(time: np.ndarray, source: str) -> list[str]:
     if not len(holes):
         return []
     longest = holes[np.argmax(steps[holes])]
-    if steps[longest] > _LONGEST_HOLE:
+    # A table of operating points is bridged by nothing.
+    if steps[longest] > _LONGEST_HOLE and np.median(steps) < _POINTS:
         raise InputError(f'{source}: no samples for {steps[longest]:.3g} s after '
                          f'{time[longest]:g} s; expected at most {_LONGEST_HOLE:g} s: mend the '
                          'time stamps, or give what lies before and after as logs of their own')

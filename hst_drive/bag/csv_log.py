@@ -5,8 +5,8 @@ CSV recordings: one column per channel, ``name[unit]`` or ``name (unit)`` in the
 
 The unit in the header counts; units may have a line of their own below or above the names.
 Separators are comma, semicolon (with decimal point or comma) or tab; lines that begin with # and
-empty lines do not count; an empty cell is a missing sample. Stamps that are rounded more coarsely
-than rows come are spread evenly.
+empty lines do not count; an empty cell is a missing sample. In a log that is read as a whole,
+stamps that are rounded more coarsely than rows come are spread evenly.
 """
 from __future__ import annotations
 
@@ -67,9 +67,8 @@ def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layou
         header, second = second, header
     if _are_units(second) and not _are_units(header):
         count, second = 2, [*second, *[''] * len(header)]
-        header = [f'{name}[{unit.strip("[]()")}]' if unit not in _NO_UNIT
-                  and split_header(name)[1] is None else name
-                  for name, unit in zip(header, second)]
+        header = [f'{name}[{unit}]' if unit not in _NO_UNIT and split_header(name)[1] is None
+                  else name for name, unit in zip(header, map(_bare, second))]
     notes: list[str] = []
     return Layout(header, count, separator, _picks(header, channel_map, path, notes), path, notes)
 
@@ -82,8 +81,14 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    named = [cell.strip('[]()') for cell in cells if cell not in _NO_UNIT]
-    return bool(named) and all(map(is_unit, named))
+    named = [cell for cell in map(_bare, cells) if cell not in _NO_UNIT]
+    # Of columns that nobody asks for the unit may be one that we do not know.
+    return bool(named) and not any(map(_is_number, named)) and (
+        sum(map(is_unit, named)) > 0.5 * len(named))
+
+
+def _bare(cell: str) -> str:
+    return cell.strip('[]() ')
 
 
 def _spread(time: np.ndarray, notes: list[str]) -> np.ndarray:
@@ -96,10 +101,14 @@ def _spread(time: np.ndarray, notes: list[str]) -> np.ndarray:
     if len(first) < _FEW or time[-1] - time[0] > _FASTER * rounding * len(steps):
         return time     # a clock that stood still
     rows = np.diff(np.append(first, len(time)))
+    usual = max(float(np.median(rows)), 1.0)
     notes.append(f'stamps are rounded to {rounding:.3g} s, rows come '
                  f'{len(steps) / (time[-1] - time[0]):.4g} a second: spread evenly')
-    since = np.arange(len(time)) - np.repeat(first, rows)
-    return time + rounding * since / np.repeat(rows, rows)
+    since = (np.arange(len(time)) - np.repeat(first, rows)).astype(float)
+    # The first and the last stamp may have fewer rows than belong to them.
+    since[:rows[0]] += max(usual - rows[0], 0.0)
+    rows = np.maximum(rows, np.where(np.isin(first, (first[0], first[-1])), usual, 1.0))
+    return time + rounding * since / np.repeat(rows, np.diff(np.append(first, len(time))))
 
 
 def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap()) -> Run:

@@ -36,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Adopt and say what was added."""
     from hst_drive.diagnose.adopt import adopt
+    from hst_drive.diagnose.result import UNIT_ALONE
     from hst_drive.rig import default_rig_file, parse_rig
     from hst_drive.rig.yaml_file import read_yaml
 
@@ -58,7 +59,9 @@ def run(args: argparse.Namespace) -> int:
         rivals = entry.get('indistinguishable_from')
         if rivals:
             tell(f"{args.output}: {entry['id']} is one of several that fit these logs; so may "
-                 f"{' or '.join(rivals)}: 'hst-drive design' writes a test that tells")
+                 f"{' or '.join(rivals)}: " + (
+                     'that is, the unit alone at the limits of its tolerances'
+                     if UNIT_ALONE in rivals else "'hst-drive design' writes a test that tells"))
     return 0
 
 

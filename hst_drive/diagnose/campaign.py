@@ -127,7 +127,7 @@ class Campaign:
         """Return effects at the same place that are not searched: others can take their form."""
         return [other for other, effect in catalogue().items()
                 if other not in self.rig.effects and effect.slot == catalogue()[name].slot
-                and effect.searched not in ('never', *self.searched)]
+                and effect.searched not in ('never', *self.searched) and not effect.both_ways]
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""

@@ -27,4 +27,5 @@ def relieves(search: Search, other: Candidate, tolerances: Campaign | None = Non
     left = limited(tolerances or search.campaign, other.fit)
     return (left < limited(search.campaign, search.base)
             and search.baseline.score - other.score >= 2 * _LIKELIER
-            and max(search.gain(search.baseline, other, False).sigma.values()) >= SIGNIFICANT)
+            and max(search.gain(search.baseline, other, False).sigma.values(),
+                    default=0.0) >= SIGNIFICANT)

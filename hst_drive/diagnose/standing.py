@@ -15,7 +15,7 @@ from typing import Collection
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, Fit
 from hst_drive.diagnose.intervals import Spread, spread
-from hst_drive.diagnose.judge import AT_NOISE, excess
+from hst_drive.diagnose.judge import AT_NOISE, excess, judged
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.effects import catalogue
 import numpy as np
@@ -46,8 +46,9 @@ def forms(search: Search, best: Candidate) -> dict[str, float]:
 def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float:
     """Return what is left beyond noise and chance over what was taken away, both rms."""
     first, last = (campaign.ratios(entry.errors, held_out) for entry in (before, after))
-    left = sum(max(ratio**2 - AT_NOISE**2 - campaign.scatter(name), 0.0)
-               for name, ratio in last.items())
+    own, fitted = judged(campaign, after)
+    left = sum(max(ratio**2 - AT_NOISE**2 - own.scatter(name), 0.0)
+               for name, ratio in own.ratios(fitted.errors, held_out).items())
     return float(np.sqrt(left / max(excess(first) - excess(last), 1e-9)))
 
 

@@ -77,7 +77,7 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
     has strayed to make up for it: here it is that of the datasheet.
     """
     load = campaign.of_load()
-    if not load.columns:
+    if not load.ratios(load.errors(base, to_fit=True), False):
         return list(models)
 
     def left(model: Model) -> float:

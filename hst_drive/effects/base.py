@@ -93,6 +93,7 @@ _KNOWN: dict[str, frozenset[str]] = {
                     _COMMANDS | {'pressure', 'flow', 'load_torque', 'pump_speed'}),
 }
 _BUILTINS = frozenset({'abs', 'max', 'min'})
+_GREATEST = 1e12    # SI: no machine has such a torque or speed
 # Powers of a machine's torque and speed in the units whose sizes go with them.
 _POWERS = {'N.m': (1, 0), 'rad/s': (0, 1), 'N.m.s/rad': (1, -1), 'N.m.s^2/rad^2': (1, -2)}
 
@@ -136,6 +137,13 @@ class Parameter:
         return replace(self, low=self.low * factor, high=self.high * factor,
                        typical=self.typical * factor,
                        neutral=self.neutral * factor)
+
+    @property
+    def of_any_size(self) -> Parameter:
+        """It with the bounds of a machine that may have any torque and speed."""
+        if self.unit not in _POWERS:
+            return self
+        return replace(self, low=-_GREATEST if self.low < 0 else 0.0, high=_GREATEST)
 
     def recorded_in(self, channels: Collection[str]) -> bool:
         """Say whether the channel that it needs, if any, is there."""

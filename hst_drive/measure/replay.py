@@ -267,19 +267,19 @@ class Replay:
 
     def _behind(self, drive: Drive, rest: np.ndarray) -> Behind | None:
         """Say what is behind a flexible shaft and how it is read; None where nothing is."""
-        if not drive.has_flexible_shaft:
+        if not (drive.has_flexible_shaft and self._turning.any()):
             return None
         stiff, speed = drive.without('shaft_compliance'), self._true_speed(drive)
-        side = load_side(drive, self._measured,
-                         lambda faster: self._load_model(stiff, speed + faster))
+        side = load_side(drive, self._measured[self._turning],
+                         lambda faster: self._load_model(stiff, speed + faster)[self._turning])
         if side is None:
             return None
         # Of the speed that the load is modelled with: the model's own has none.
         noise = (self.noise['motor_speed'] if 'motor_speed' in self.run else
                  self.noise.get('motor_inlet_flow', 0.0) / drive.rig.motor.displacement)
         rest = rest - self.readings.slow(rest)
-        return behind(side, self.run.sample_time, rest,
-                      self.readings.noise(self.torque, rest), noise)
+        return behind(side, self.run.sample_time, rest, min(
+            self.readings.noise(self.torque, rest), self._stated_noise(drive, self.torque)), noise)
 
     def of_load(self) -> Replay:
         """Return a replay of the load alone: it meets the measured speed, nothing is simulated."""
@@ -293,7 +293,8 @@ class Replay:
         shaft = self._behind(drive, self._unexplained(self._load_model(drive)))
         if shaft is None:
             return self.roughness._replace(noise_std=self.noise[self.torque])
-        return shaft.rough._replace(std=shaft.swings())
+        return shaft.rough._replace(std=shaft.swings(), noise_std=max(
+            shaft.rough.noise_std, self.readings.step(self.torque)))
 
     def disturbance(self, drive: Drive) -> np.ndarray:
         """Return the load torque (N.m) that the sensor shows beyond the load model, smoothed."""

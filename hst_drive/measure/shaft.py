@@ -14,6 +14,7 @@ of Stationary Time Series, MIT Press 1949).
 """
 from __future__ import annotations
 
+import math
 from typing import Callable, NamedTuple
 
 from hst_drive.effects.base import USUAL_DAMPING_TIME, USUAL_SHARE
@@ -132,8 +133,10 @@ def load_side(drive: Drive, torque: np.ndarray,
     compliance = 2.0 * near / (high - low)      # of small swings; a hard shaft's is below secant
     damping_time = USUAL_DAMPING_TIME + drive.slot('shaft_damping_time')
     share = USUAL_SHARE + drive.slot('shaft_load_share')
-    return LoadSide(compliance, share * float(drive.parameters[INDEX['inertia']]),
-                    damping_time * compliance / secant,
+    inertia = float(drive.parameters[INDEX['inertia']])
+    # Beyond twice the root nothing oscillates any more (as in the kernel).
+    damping_time = min(damping_time, 2.0 * math.sqrt(secant * inertia))
+    return LoadSide(compliance, share * inertia, damping_time * compliance / secant,
                     float(np.median(load_at(_FASTER) - load_at(0.0))) / _FASTER)
 
 

@@ -69,8 +69,13 @@ def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np
                                        oil_temperature[:2])[0])
 
     now = settled(float(command[0]))
-    if abs(torque[1] - now) < _MOVING * abs(now) or abs(speed[0]) < 0.1:
+    off = abs(torque[1] - now)
+    if off < _MOVING * max(abs(now), float(np.median(np.abs(torque)))) or abs(speed[0]) < 0.1:
         return None
+    since = time - time[0]
+    late = (since > 0.3 * _RESTS) & (since < _RESTS) & (np.abs(command - command[0]) < _STILL)
+    if late.sum() > 2 and abs(float(torque[late].mean()) - now) > 0.5 * off:
+        return None     # it stays there: no load that moves, but another one
     table = drive.rig.loading.pprv_pressure
     low, high = settled(table.x[0]), settled(table.x[-1])
     if not low < torque[1] < high:

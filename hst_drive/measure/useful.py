@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Mapping, NoReturn, Sequence
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import is_part
+from hst_drive.measure.balances import is_part, is_table
 from hst_drive.measure.noise import steady_noise
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
@@ -89,14 +89,21 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
                 f'least one each {_SLOWEST:g} s: what the drive does between rows decides. '
                 "Record faster; if the times are not seconds, name their unit ('time[ms]')")
     speeds = [_finite(run['motor_speed']) if 'motor_speed' in run else np.zeros(0) for run in runs]
-    if all(len(speed) and np.percentile(np.abs(speed), _TAIL) <= (
-            _SCATTER * steady_noise(speed) if is_part(run, rig) else _TURNS)
+    if all(len(speed) and np.percentile(np.abs(speed), _TAIL) <= _least_turn(rig, run, speed)
             for run, speed in zip(runs, speeds)):
         greatest = from_si(max(np.abs(speed).max() for speed in speeds), 'rpm')
         raise InputError(
             f'{", ".join(run.source for run in runs)}: the drive never turns (motor_speed is '
             f'{greatest:.2g} rpm at most); nothing can be told from a drive at rest: record it '
             'drilling, or check the speed sensor')
+
+
+def _least_turn(rig: Rig, run: Run, speed: np.ndarray) -> float:
+    """Return the speed (rad/s) up to which a drive is taken for one at rest."""
+    if not is_part(run, rig):
+        return _TURNS
+    # Operating points lie apart, which is no noise.
+    return 0.0 if is_table(run) else _SCATTER * steady_noise(speed)
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -111,7 +111,7 @@ class Drive:
         return changed
 
     def without(self, slot: str) -> Drive:
-        """Return a drive in which no effect enters at a slot."""
+        """Return a drive whose equations pass a slot by; its list of effects stays."""
         changed = self.copied()
         changed.switches[self.kernel.slots[slot]] = 0
         return changed

@@ -18,6 +18,7 @@ from hst_drive.effects import catalogue, READABLE
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
+from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import played
 from hst_drive.rig import Rig
@@ -116,6 +117,9 @@ class PartModel:
 
     def motor_leakage(self, known: Known) -> Any:
         """Return all that the hydromotor leaks at a pressure and speed, m^3/s."""
+        if 'outlet_pressure' in known:
+            # Either port may be the one under pressure.
+            known = {**known, 'pressure': np.maximum(known['pressure'], known['outlet_pressure'])}
         table = self.factor('motor.leakage') * self.rig.motor.leakage(
             known['pressure'], np.abs(known['motor_speed']))
         flow = self.motor_displacement * known['motor_speed'] + table
@@ -130,8 +134,8 @@ class PartModel:
         """Return the torque of the hydromotor without that of its inertia, N.m."""
         speed, pressure = known['motor_speed'], known.get('pressure', 0.0)
         hydraulic: Any = 0.0
-        direction = np.tanh(_STEEP * speed / known['creeping']) if known.get('creeping') else (
-            np.sign(speed))
+        creeping = known.get('creeping', _STEEP * CONSTANTS['SIGN_WIDTH'])
+        direction = np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
         if 'pressure' in known:
             outlet = known.get('outlet_pressure')
             if outlet is not None:
@@ -139,9 +143,12 @@ class PartModel:
             efficiency = self.factor('motor.mechanical_efficiency') * (
                 self.rig.motor.mechanical_efficiency(np.abs(known['pressure']), np.abs(speed)))
             back = self.terms('back_pressure', known) if outlet is None else 0.0
-            ideal = (known['pressure'] - back) * self.motor_displacement
+            # A cavitating inlet neither drives nor brakes.
+            ideal = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0)) * (
+                self.motor_displacement)
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
-            hydraulic = ideal - (1.0 - efficiency) * np.abs(ideal) * direction
+            hydraulic = ideal - (1.0 - efficiency) * np.abs(ideal) * np.where(
+                speed == 0.0, np.sign(ideal), direction)
             known = {**known, 'efficiency': efficiency}
         return (hydraulic + self.terms('motor_torque', known)
                 - self.terms('motor_torque_loss', known) * direction)

@@ -3,10 +3,11 @@
 """Operating points of the drive, and its linearised motion about them."""
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from hst_drive.errors import InputError
-from hst_drive.model.compose import STATES
+from hst_drive.model.compose import CONSTANTS, STATES
 from hst_drive.model.drive import Drive
 from hst_drive.model.parameters import INDEX
 import numpy as np
@@ -92,11 +93,14 @@ def operating_point(drive: Drive, speed: float, load_torque: float | None = None
 
 def twist_at(drive: Drive, torque: float) -> float:
     """Return the twist (rad) at which a shaft that may harden carries a torque (N.m)."""
-    def missing(twist: float) -> float:
-        return twist - torque * drive.slot('shaft_compliance', twist=twist)
+    rigid = CONSTANTS['SHAFT_RIGID'] / float(drive.parameters[INDEX['inertia']])
 
-    most = torque * drive.slot('shaft_compliance', twist=0.0)
-    return float(brentq(missing, 0.0, most)) if most > 0.0 and missing(most) > 0.0 else most
+    def missing(twist: float) -> float:
+        return twist - abs(torque) * max(drive.slot('shaft_compliance', twist=twist), rigid)
+
+    most = -missing(0.0)
+    twist = float(brentq(missing, 0.0, most)) if missing(most) > 0.0 else most
+    return math.copysign(twist, torque)
 
 
 def _state(drive: Drive, command: float, pprv_command: float, temperature: float, speed: float,
@@ -104,7 +108,8 @@ def _state(drive: Drive, command: float, pprv_command: float, temperature: float
     state = drive.initial_state(pump_command=command, pprv_command=pprv_command,
                                 pressure=pressure, speed=speed)
     if drive.has_flexible_shaft:
-        load = drive.load_torque(np.array([0.0, 1.0]), *(np.full(2, value) for value in (
+        bare = drive.without('torque_reading')      # what is read may be wrong
+        load = bare.load_torque(np.array([0.0, 1.0]), *(np.full(2, value) for value in (
             pprv_command, speed, temperature)))
         state[6] = twist_at(drive, float(load[0]))
     return state

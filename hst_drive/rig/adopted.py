@@ -15,13 +15,14 @@ from hst_drive.units import si_unit, to_si, UnitError
 _OWN = 'see hst-drive effects; if it is one of your own, install the package that declares it'
 
 
-def read_effects(found: object, source: str) -> dict[str, dict[str, float]]:
+def read_effects(found: object, source: str,
+                 of_any_size: bool = False) -> dict[str, dict[str, float]]:
     """
     Read ``id: {parameter: value}``, values in SI or texts with a unit.
 
     A parameter that is left out is neutral: a file that was adopted before an effect got that
     parameter keeps the model that was fitted. The first parameter is the effect's size and must
-    be there.
+    be there. In the file of a part a torque may be that of a machine of any size.
 
     Raises
     ------
@@ -32,10 +33,11 @@ def read_effects(found: object, source: str) -> dict[str, dict[str, float]]:
     """
     if not isinstance(found, dict):
         raise InputError(f"{source}: 'effects' is {_shown(found)}, expected effects by id")
-    return {str(name): _effect(str(name), content, source) for name, content in found.items()}
+    return {str(name): _effect(str(name), content, source, of_any_size)
+            for name, content in found.items()}
 
 
-def _effect(name: str, content: object, source: str) -> dict[str, float]:
+def _effect(name: str, content: object, source: str, of_any_size: bool) -> dict[str, float]:
     effects = catalogue(everything=True)
     where = f'effects.{name}'
     if name not in effects:
@@ -44,7 +46,8 @@ def _effect(name: str, content: object, source: str) -> dict[str, float]:
                          f'{reason or _near(name, effects, _OWN)}')
     if not isinstance(content, dict):
         raise InputError(f"{source}: '{where}' is {_shown(content)}, expected parameters")
-    declared = {entry.name: entry for entry in effects[name].parameters}
+    declared = {entry.name: entry.of_any_size if of_any_size else entry
+                for entry in effects[name].parameters}
     for key in content:
         if key not in declared:
             known = f'known: {", ".join(declared)}'

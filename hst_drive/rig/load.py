@@ -76,7 +76,7 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         sensors=_sensors(content.get('sensors', {}), source),
         tolerances=_tolerances(content.get('tolerances_1_sigma_relative', {}), source),
         characterised_at=to_si(float(temperature), 'degC'),
-        effects=read_effects(content.get('effects', {}), source),
+        effects=read_effects(content.get('effects', {}), source, of_any_size=part),
         calibration=_factors(content.get('calibration', {}), source),
         provenance=provenance, source=source, digest=digest(content))
 

@@ -72,23 +72,25 @@ def test_units_in_round_brackets_count_too(tmp_path, header):
 @pytest.mark.parametrize('reader', [
     read_csv, lambda path: next(csv_sections(path, ChannelMap(), 10.0, 0.0, 0.0)).run])
 def test_units_may_have_a_line_of_their_own(tmp_path, reader, above):
-    names, units = 'time;motor_speed;pump_command;note', 's;[rpm];V;'
+    names, units = 'time;motor_speed;pump_command;note;coil', 's;[rpm];V;[-];A'
     lines = [units, names] if above else [names, units]
     path = tmp_path / 'a.csv'
-    path.write_text('\n'.join([*lines, *(f'{0.01 * k};{60 + k};5;{k}' for k in range(30))]))
+    path.write_text('\n'.join([*lines, *(f'{0.01 * k};{60 + k};5;{k};0' for k in range(30))]))
     run = reader(path)
     assert len(run) == 30 and set(run.channels) == {'motor_speed', 'pump_command'}
     assert run['motor_speed'][0] == pytest.approx(2 * np.pi)
 
 
-@pytest.mark.parametrize('rate', [5000, 1500, 1100])
-def test_rows_that_share_a_rounded_stamp_are_spread(tmp_path, rate):
-    exact = np.arange(3000) / rate
+@pytest.mark.parametrize('rate, begins', [(5000, 0.0), (1500, 0.0), (1100, 0.0), (5000, 0.0007)])
+def test_rows_that_share_a_rounded_stamp_are_spread(tmp_path, rate, begins):
+    exact = begins + np.arange(3000) / rate
     path = tmp_path / 'a.csv'
     path.write_text('time[s],motor_speed[rpm]\n' + ''.join(
         f'{np.floor(stamp * 1000 + 1e-6) / 1000:.3f},{60 + stamp}\n' for stamp in exact))
     run = read_csv(path)
     assert np.all(np.diff(run.time) > 0) and np.abs(run.time - exact).max() < 1e-3
+    if rate == 5000:
+        assert np.diff(run.time) == pytest.approx(2e-4, abs=1e-7)
     assert any('rounded to 0.001 s' in note for note in run.notes)
 
 

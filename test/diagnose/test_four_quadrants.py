@@ -39,7 +39,15 @@ def axis():
 
 
 def test_an_axis_is_the_same_on_any_lever():
-    found = [sizes(on_a_lever(TIME, *axis(), 95.0, lever), lever) for lever in (0.003, 0.1, 3.0)]
+    found = []
+    for lever in (0.003, 0.1, 30.0):
+        result = on_a_lever(TIME, *axis(), 95.0, lever)
+        found.append(sizes(result, lever))
+        # What was found can be written into the rig file of such a machine.
+        adopted = {entry.id: {key: value.value for key, value in entry.parameters.items()}
+                   for entry in result.effects}
+        assert parse_rig({'motor': {'inertia_total_kg_m2': 95.0 * lever**2},
+                          'effects': adopted}).effects == adopted
     for entry in found:
         assert entry == pytest.approx(found[0], rel=1e-3)
         assert entry == pytest.approx(
@@ -80,6 +88,17 @@ def test_a_motor_that_brakes_loses_what_it_loses_when_it_drives(ports):
     for key, true in {'coulomb': 0.3, 'load_share': 0.12}.items():
         size = named.parameters[key]
         assert size.low < true < size.high and size.value == pytest.approx(true, rel=0.05)
+
+
+def test_operating_points_apart_are_no_noise():
+    speed = np.where(np.arange(40) % 2, 100.0, 200.0)
+    pressure = 1e5 * (20.0 + np.arange(40))
+    run = Run('table', np.arange(40) * 4000.0, {
+        'motor_inlet_pressure': pressure, 'motor_speed': speed,
+        'motor_torque': pressure * 4.9e-6 / (2 * np.pi) - 0.004 * speed}, 'table.csv')
+    found = diagnose(parse_rig({'motor': {'displacement_cc_rev': 4.9}}), [run])
+    assert 'viscous_drag' in {name for entry in found.effects
+                              for name in (entry.id, *entry.indistinguishable_from)}
 
 
 @pytest.mark.skipif(not REAL.exists(), reason='the real recordings are not there')

@@ -41,10 +41,10 @@ def test_every_balance_is_at_rest_in_an_operating_point(speed, load):
     np.testing.assert_allclose(later[:4], point.state[:4], rtol=1e-5)
 
 
-@pytest.mark.parametrize('hardening', [0.0, 30.0])
-def test_a_twisted_shaft_is_at_rest_in_an_operating_point(hardening):
-    drive = Drive(default_rig(), {'shaft_compliance': {'compliance': 0.003,
-                                                       'hardening': hardening}})
+@pytest.mark.parametrize('compliance, hardening', [(0.003, 0.0), (0.003, 30.0), (0.0, 0.0)])
+def test_a_twisted_shaft_is_at_rest_in_an_operating_point(compliance, hardening):
+    drive = Drive(default_rig(), {
+        'shaft_compliance': {'compliance': compliance, 'hardening': hardening}})
     point = operating_point(drive, 10.0, 150.0)
     stiff = operating_point(Drive(default_rig()), 10.0, 150.0)
     assert point.readings['load_torque'] == pytest.approx(150.0, rel=1e-6)
