@@ -16,8 +16,8 @@ CONTRACT = (
     'compressibility_flow prv_cracking pump_speed_droop pump_command_offset pump_hysteresis '
     'pump_rate_limit pump_lag bearing_friction stribeck_friction viscous_drag hydrodynamic_drag '
     'line_loss back_pressure piston_ripple shaft_compliance gearbox_loss pressure_sensor_bias '
-    'speed_sensor_lag torque_sensor_scale flow_sensor_scale').split()
-BEYOND = ['bulk_modulus_rise', 'constant_torque', 'pump_orifice_leakage']
+    'speed_sensor_lag torque_sensor_scale flow_sensor_scale constant_torque').split()
+BEYOND = ['bulk_modulus_rise', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
          for name, effect in OWN.items() for slot, function in effect.terms]
