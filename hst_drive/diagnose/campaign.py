@@ -34,7 +34,7 @@ _SLOW_EVENTS = 0.35     # the same where rows miss what the controller does abou
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
-_SLOW_SCATTER = 1.0     # of the squared noise ratio
+_SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 
 
@@ -178,8 +178,9 @@ class Campaign:
                     # Mean square of an Ornstein-Uhlenbeck process over a span.
                     variance += span * 4 * (rough.std * column.scale)**4 * rough.time_constant
         chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
-        # What a slow record does not show of commands and load shakes the replay, too.
-        return chance + (_SLOW_SCATTER if self.slow(name) else 0.0)
+        # What a slow record does not show of commands and load shakes the replay, too; of the load
+        # it is unsure only when the PPRV got its command.
+        return chance + (_SLOW_SCATTER if self.slow(name) else _SLOW_LOAD if self.slow() else 0.0)
 
     def slow(self, name: str = '') -> bool:
         """
