@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hst_drive.errors import InputError
+from hst_drive.measure.balances import SLOWEST
 from hst_drive.measure.faults import without_faults, without_lost_rows
 from hst_drive.measure.run import CHANNELS, Run
 import numpy as np
@@ -24,7 +25,6 @@ GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word
 _LONGEST_HOLE = 3600.0  # s that a replay bridges: beyond, these are two recordings
-_POINTS = 0.5           # s between rows, from which on they are operating points
 _APART = 5.0            # two signals differ by so many times what each changes by
 
 
@@ -96,7 +96,7 @@ def _interruptions(time: np.ndarray, source: str) -> list[str]:
         return []
     longest = holes[np.argmax(steps[holes])]
     # A table of operating points is bridged by nothing.
-    if steps[longest] > _LONGEST_HOLE and np.median(steps) < _POINTS:
+    if steps[longest] > _LONGEST_HOLE and np.median(steps) < SLOWEST:
         raise InputError(f'{source}: no samples for {steps[longest]:.3g} s after '
                          f'{time[longest]:g} s; expected at most {_LONGEST_HOLE:g} s: mend the '
                          'time stamps, or give what lies before and after as logs of their own')

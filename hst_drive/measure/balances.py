@@ -11,7 +11,7 @@ import numpy as np
 
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 TORQUES = ('motor_torque', 'load_torque')
-_SLOWEST = 0.5          # s between rows: a longer step is a table of operating points
+SLOWEST = 0.5           # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
 _FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
@@ -143,7 +143,7 @@ def is_part(run: Run, rig: Rig) -> bool:
 
 def is_table(run: Run) -> bool:
     """Say whether the rows are operating points rather than samples of a motion."""
-    if run.sample_time >= _SLOWEST:
+    if run.sample_time >= SLOWEST:
         return True
     for name in (*PRESSURES, 'motor_speed', 'pump_speed'):
         values = run.channels.get(name)

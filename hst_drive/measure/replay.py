@@ -281,6 +281,11 @@ class Replay:
         return behind(side, self.run.sample_time, rest, min(
             self.readings.noise(self.torque, rest), self._stated_noise(drive, self.torque)), noise)
 
+    def _shaft(self, drive: Drive) -> Behind | None:
+        # A stiff one, as most are, asks for no load model.
+        return self._behind(drive, self._unexplained(self._load_model(drive))) if (
+            drive.has_flexible_shaft) else None
+
     def of_load(self) -> Replay:
         """Return a replay of the load alone: it meets the measured speed, nothing is simulated."""
         alone = copy.copy(self)
@@ -290,7 +295,7 @@ class Replay:
 
     def misread(self, drive: Drive) -> Coloured:
         """Return by how much (N.m) the torque reading is off the load model's if that is right."""
-        shaft = self._behind(drive, self._unexplained(self._load_model(drive)))
+        shaft = self._shaft(drive)
         if shaft is None:
             return self.roughness._replace(noise_std=self.noise[self.torque])
         return shaft.rough._replace(std=shaft.swings(), noise_std=max(
@@ -361,7 +366,7 @@ class Replay:
 
     def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
         """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
-        shaft = self._behind(drive, self._unexplained(self._load_model(drive)))
+        shaft = self._shaft(drive)
         smoother, steps = self._finely(), self._between.steps
         for _ in range(DRAWS):
             yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(

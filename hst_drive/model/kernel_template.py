@@ -138,8 +138,10 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angle
             pprv_pressure = target
         oil_temperature = oil_temperatures[k]
         motor_speed = motor_speeds[k]
-        load_torque = load_model(motor_speed, pprv_pressure, pprv_commands[k],
-                                 oil_temperature, motor_angles[k], p, on, cells, layout)
+        load_torque = 0.0
+        if k == 0 or not on[SLOT_shaft_compliance]:
+            load_torque = load_model(motor_speed, pprv_pressure, pprv_commands[k],
+                                     oil_temperature, motor_angles[k], p, on, cells, layout)
         if k == 0:
             load_speed, last_brake = motor_speed, load_torque
         load_torque *= smooth_sign(motor_speed)
