@@ -10,6 +10,7 @@ import os
 import re
 import signal
 import sys
+import threading
 import time
 import warnings
 
@@ -40,6 +41,7 @@ _WRONG_TYPE = re.compile(
     r"Trying to set parameter '(\S+)' to '(.*)' of type '(\w+)', expecting type '(\w+)'.*")
 _CALL = 60.0    # s; of one call of the executor
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
+_LONGEST_END = 20.0    # s; nor may the middleware
 
 
 class DriveNode(Node):
@@ -249,6 +251,18 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
             time.sleep(node.gather)
 
 
+def _leave_anyway(role: str, code: int) -> None:
+    """End the process if the middleware, which has to close what is open, never returns."""
+    def leave() -> None:
+        print(f'{role}: the middleware did not close within {_LONGEST_END:g} s; left without it',
+              file=sys.stderr, flush=True)
+        os._exit(code)
+
+    timer = threading.Timer(_LONGEST_END, leave)
+    timer.daemon = True
+    timer.start()
+
+
 def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
     """
     Run a node until it ends, is told to (SIGINT, SIGTERM) or fails.
@@ -302,6 +316,7 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
     finally:
         if node is not None:
             node.deactivate()
+            _leave_anyway(node_class.role, code)
             node.destroy_node()
         rclpy.try_shutdown()
     return code

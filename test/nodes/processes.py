@@ -21,7 +21,7 @@ PATIENCE = 90.0
 def environment() -> dict[str, str]:
     """Return the environment of a process of ours."""
     path = os.pathsep.join(filter(None, [str(TREE), os.environ.get('PYTHONPATH')]))
-    return {**os.environ, 'PYTHONPATH': path}
+    return {**os.environ, 'PYTHONPATH': path, 'PYTHONFAULTHANDLER': '1'}
 
 
 def start(*arguments: str, file_size: int | None = None) -> subprocess.Popen:
@@ -52,7 +52,12 @@ def node(name: str, *arguments: str, managed: bool = False):
     finally:
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
-        process.out, process.err = process.communicate(timeout=PATIENCE)
+        try:
+            process.out, process.err = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            # Python's fault handler tells where it hangs.
+            process.send_signal(signal.SIGABRT)
+            process.out, process.err = process.communicate()
     assert process.returncode == 0, process.err
 
 

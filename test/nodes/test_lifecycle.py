@@ -153,6 +153,19 @@ def test_what_was_due_when_a_node_closed_is_dropped():
         rclpy.shutdown()
 
 
+def test_a_middleware_that_never_closes_does_not_keep_the_process():
+    """Seen once: a plant that had done its work stood still for minutes."""
+    code = ('import sys, time; from hst_drive.nodes import base, load_profile\n'
+            'base._LONGEST_END = 0.5\n'
+            'load_profile.LoadProfile.destroy_node = lambda self: time.sleep(600)\n'
+            'load_profile.LoadProfile.started = lambda self: self.stop(0)\n'
+            'base.main(load_profile.LoadProfile)\n')
+    done = subprocess.run([sys.executable, '-c', code], env=environment(), timeout=PATIENCE,
+                          capture_output=True, text=True)
+    assert done.returncode == 0
+    assert 'the middleware did not close within 0.5 s' in done.stderr
+
+
 def test_the_manager_names_the_node_that_is_not_there():
     done = subprocess.run(
         [sys.executable, '-m', 'hst_drive.nodes.manager', '--ros-args', '-p', 'nodes:=[plant]',
