@@ -27,6 +27,7 @@ class Slot(NamedTuple):
 DRILLING_SPEED = 10.0   # rad/s: about where a drill works, so that size and shape are told apart
 USUAL_DAMPING_TIME = 0.002  # s, material damping of a flexible shaft unless an effect moves it
 USUAL_SHARE = 0.35      # of the inertia lies behind a flexible shaft unless an effect moves it
+USUAL_FAR = 0.5         # of the line's volume lies behind the mass of its oil, unless moved
 USUAL_UPSTREAM = 0.3    # of the line's volume lies before its resistance unless an effect moves it
 
 SLOTS: dict[str, Slot] = {
@@ -38,11 +39,17 @@ SLOTS: dict[str, Slot] = {
     'pump_series_lag': Slot('pump actuator', 's', 'lag in series with that of the displacement'),
     'pump_stroke_time': Slot('pump actuator', 's', 'shortest time for the full stroke'),
     'pump_stroke_asymmetry': Slot('pump actuator', '1', 'how much faster up than on average'),
+    'pump_yield': Slot('pump actuator', 'm^3/rad', 'taken from the displacement that the command '
+                       'asks for'),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
     'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
     'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),
+    'line_inertance': Slot('flow', 'Pa.s^2/m^3', "mass of the line's oil over its area squared"),
+    'line_far_share': Slot('flow', '1', f"added to the share of the line's volume ({USUAL_FAR}) "
+                           'that lies behind that mass'),
+    'line_damping': Slot('flow', '1/s', 'decay of what moves in the line by itself'),
     'line_drop': Slot('torque', 'Pa', 'pressure lost between pump outlet and hydromotor inlet'),
     'line_upstream_share': Slot('torque', '1', 'added to the share of the oil in the line '
                                 f'({USUAL_UPSTREAM}) that lies before its resistance'),
@@ -70,7 +77,7 @@ READABLE: dict[str, str] = {
     'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
     'twist': 'rad', 'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s',
     'motor_displacement': 'm^3/rad', 'efficiency': '1',
-    'max_displacement': 'm^3/rad', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
+    'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
     'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
 }
 
@@ -85,7 +92,8 @@ _KNOWN: dict[str, frozenset[str]] = {
     'back_pressure': _BALANCES | {'pump_speed'},
     'motor_torque_loss': frozenset(READABLE), 'motor_torque': frozenset(READABLE),
     **dict.fromkeys(('shaft_compliance', 'shaft_damping_time'), frozenset({'twist'})),
-    'shaft_load_share': frozenset(),
+    **dict.fromkeys(('shaft_load_share', 'line_inertance', 'line_far_share', 'line_damping'),
+                    frozenset()),
     'load_torque': frozenset({'load_torque', 'motor_speed', 'motor_angle', 'pprv_command',
                               'oil_temperature', 'pistons'}),
     'torque_reading': frozenset({'load_torque', 'motor_angle', 'oil_temperature'}),

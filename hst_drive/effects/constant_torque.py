@@ -4,7 +4,8 @@
 A torque that does not change its sign with the rotation.
 
 A torque sensor that is off at zero, a hanging load, an amplifier with an offset. Where a drive
-turns one way only it is dry friction: it is searched in logs of a part that turns both ways.
+turns one way only it looks like dry friction: it is searched in logs of a part that turns both
+ways, and elsewhere named beside friction.
 """
 from hst_drive.effects.base import Effect, Parameter
 
@@ -30,6 +31,7 @@ EFFECT = Effect(
            'and P. O. Vandanjon, A new closed-loop output error method for parameter '
            'identification of robot dynamics, IEEE Trans. Control Systems Technology 21 (2013).',
     shows_in=('motor_torque', 'load_torque'),
+    alike=('bearing_friction', 'back_pressure', 'pressure_sensor_bias'),
     searched='parts',
     both_ways=True,
 )

@@ -135,7 +135,7 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     # A plate with play rests where the flow says, not where the command says.
     state[9] = commands['pump_command']
     state[8] = state[11] = pump.command_of(
-        state[0] / drive.parameters[INDEX['displacement_scale']])
+        (state[0] + drive.pump_yield(state[1])) / drive.parameters[INDEX['displacement_scale']])
     return state
 
 

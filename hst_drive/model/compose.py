@@ -23,8 +23,8 @@ import types
 from typing import Callable, NamedTuple
 
 from hst_drive.effects import catalogue, Effect
-from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_SHARE, \
-    USUAL_UPSTREAM
+from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, \
+    USUAL_SHARE, USUAL_UPSTREAM
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 
@@ -37,6 +37,9 @@ CONSTANTS = {
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance
+    'LINE_FAR_SHARE': USUAL_FAR,      # of that volume lies behind the mass of its oil
+    'LINE_FASTEST': 1000.0,           # rad/s; a line that swings faster cannot be told from none
+    'LINE_STEP': 0.3,                 # of the time in which it swings by a radian
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
     'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen
@@ -53,7 +56,7 @@ OUTPUTS: tuple[str, ...] = (
 STATES: tuple[str, ...] = (
     'displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure', 'motor_angle', 'load_speed',
     'twist', 'speed_reading', 'play', 'last_command', 'slowdown',
-    'wide_play', 'pilot_aim', 'late_speed_reading')
+    'wide_play', 'pilot_aim', 'late_speed_reading', 'line_flow', 'far_pressure')
 
 
 class Kernel(NamedTuple):

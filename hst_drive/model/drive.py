@@ -150,6 +150,11 @@ class Drive:
                     total += function(*(given[key] for key in arguments(function)))
         return total
 
+    def pump_yield(self, pressure: float) -> float:
+        """Return what a pressure (Pa) takes from the pump's displacement, m^3/rad."""
+        return float(self.slot('pump_yield', pump_pressure=pressure,
+                               max_displacement=self.rig.pump.max_displacement))
+
     def scale(self, factors: Mapping[str, float]) -> None:
         """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""
         for key, factor in factors.items():
@@ -193,14 +198,16 @@ class Drive:
         """
         pprv_pressure = self.rig.loading.pprv_pressure(pprv_command)
         scale = self.parameters[INDEX['displacement_scale']]
+        pressure = pprv_pressure if pressure is None else pressure
         state = np.zeros(len(STATES))
-        state[:4] = (scale * self.rig.pump.displacement(pump_command),
-                     pprv_pressure if pressure is None else pressure, speed,
+        asked = scale * self.rig.pump.displacement(pump_command)
+        state[:4] = (max(asked - self.pump_yield(pressure), 0.0), pressure, speed,
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
         state[5] = state[7] = state[13] = speed
         state[8] = state[9] = state[11] = pump_command
         state[10] = np.nan      # the pump shaft has settled on what the load asks
         state[12] = np.nan      # and the pump's control on the command
+        state[14:] = np.nan     # and the line on what flows through it
         return state
 
     def simulate(self, time: np.ndarray, inputs: Mapping[str, np.ndarray],

@@ -192,19 +192,21 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angle
 
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
-             twist, slowdown, pump_command, pprv_command, oil_temperature, viscosity_ratio,
-             disturbance, oil_compliance, p, on, cells, layout):
+             twist, slowdown, far_pressure, pump_command, pprv_command, oil_temperature,
+             viscosity_ratio, disturbance, oil_compliance, p, on, cells, layout):
     """
-    Evaluate all balances at one instant.
+    Evaluate all balances at one instant; without mass in the line its far pressure is NaN.
 
     Returns flow into the hydromotor, its inlet pressure, its torque, load torque, flow that the
     pump delivers beyond the relief valve's, pump speed, hydromotor leakage, compressibility,
     shaft torque, relief flow, pressure drop of the line, compliance of the shaft, change of the
-    pump speed once it has settled and its lag, pressure at the hydromotor's outlet.
+    pump speed once it has settled and its lag, pressure at the hydromotor's outlet, displacement
+    that pressure takes.
     """
     motor_displacement = p[P_motor_displacement]
     max_displacement = p[P_max_displacement]
     bulk_modulus = p[P_bulk_modulus]
+    line_volume = p[P_volume]
     oil_density = p[P_oil_density]
     relief_pressure = p[P_relief_set_pressure]
     pistons = p[P_pistons]
@@ -225,6 +227,8 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     # slot line_upstream_share
     # The pressure state stands for the whole line: part of the loss lies before its middle.
     pressure = pump_pressure - line_upstream_share * line_drop
+    if not math.isnan(far_pressure):
+        pressure = far_pressure
     motor_flow_loss = 0.0
     # slot motor_flow_loss
     motor_leakage_total = motor_leakage + motor_flow_loss
@@ -244,6 +248,8 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         relief_flow = p[P_relief_gain] * math.sqrt(
             max(pump_pressure - p[P_relief_reference_pressure], 0.0))
     pump_flow = displacement * pump_speed - pump_leakage - pump_flow_loss - relief_flow
+    pump_yield = 0.0
+    # slot pump_yield
 
     compliance = oil_compliance
     # slot compliance
@@ -277,19 +283,23 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         shaft_torque = stiffness * twist + damping * (motor_speed - load_speed)
     return (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed,
             motor_leakage_total, compliance, shaft_torque, relief_flow, line_drop,
-            shaft_compliance, speed_change, pump_speed_lag, back_pressure)
+            shaft_compliance, speed_change, pump_speed_lag, back_pressure, pump_yield)
 
 
 def derivatives(flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
                 speed_change, pump_speed_lag, displacement, pump_pressure, motor_speed,
                 pprv_pressure, load_speed, reading, slowdown, target, pprv_target, lag, rate,
-                back_rate, reading_lag, per_inertia, per_pprv_lag, p, on):
-    """Return the time derivatives of the nine states from what the balances have found."""
+                back_rate, reading_lag, near_share, per_inertia, per_pprv_lag, p, on):
+    """
+    Return the time derivatives of the first nine states from what the balances have found.
+
+    ``flow`` leaves the share ``near_share`` of the line's volume that lies at the pump.
+    """
     displacement_rate = (target - displacement) / lag
     if rate > 0.0:
         displacement_rate = min(max(displacement_rate, -back_rate), rate)
     # Not divided by what is known before: the next stage waits for both sums.
-    stiffness = 1.0 / (compliance * p[P_volume])
+    stiffness = 1.0 / (compliance * (near_share * p[P_volume]))
     pressure_rate = (pump_flow - flow) * stiffness
     if pump_pressure <= CAVITATION_PRESSURE and pressure_rate < 0.0:
         pressure_rate = 0.0
@@ -332,7 +342,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     pprv_pressure, motor_angle, load_speed = state[3], state[4], state[5]
     twist, reading, play, last_command = state[6], state[7], state[8], state[9]
     slowdown, wide_play, pilot_aim = state[10], state[11], state[12]
-    late_reading = state[13]
+    late_reading, line_flow, far_pressure = state[13], state[14], state[15]
     nominal_speed = p[P_pump_shaft_speed]
     max_displacement = p[P_max_displacement]
     # The fastest that Adams and Bashforth have to follow: the oil's spring with the inertia.
@@ -345,6 +355,19 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     # Divided once, not in each evaluation.
     oil_compliance, per_inertia = 1.0 / p[P_bulk_modulus], 1.0 / p[P_inertia]
     per_pprv_lag = 1.0 / p[P_pprv_lag]
+    line_inertance = 0.0
+    # slot line_inertance
+    line_far_share = LINE_FAR_SHARE
+    # slot line_far_share
+    line_damping = 0.0
+    # slot line_damping
+    near_share, wave = 1.0, line_inertance > 0.0
+    if wave:
+        near_share -= line_far_share
+        # Of the line between its two volumes, rad/s; a faster one cannot be seen, and is stiff.
+        between = near_share * line_far_share * p[P_volume] * oil_compliance
+        line_inertance = max(line_inertance, 1.0 / (between * LINE_FASTEST**2))
+        line_step = LINE_STEP * math.sqrt(line_inertance * between)
     # Whether any but the first five states moves by itself.
     extended = (on[SLOT_shaft_compliance] or on[SLOT_speed_reading_lag]
                 or on[SLOT_pump_speed_lag])
@@ -434,24 +457,31 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             x0, x1, x2, x3, x4 = (displacement, pump_pressure, motor_speed, pprv_pressure,
                                   motor_angle)
             x5, x6, x7, x8 = load_speed, twist, reading, slowdown
-            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = 0.0
+            x9, x10 = line_flow, math.nan
+            if wave:
+                x10 = x1 if math.isnan(far_pressure) else far_pressure
+            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = s8 = s9 = s10 = 0.0
             step = ahead = 0.0
             stiff = False
             for stage in range(4):
                 (flow, pressure, motor_torque, load_torque, pump_flow, pump_speed, leakage,
                  compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
-                 speed_change, pump_speed_lag, back_pressure) = balances(
-                    x0, x1, x2, x3, x4, x5, x6, x8, pump_command, pprv_command, oil_temperature,
-                    viscosity_ratio, disturbance + slope * (elapsed + ahead), oil_compliance, p,
+                 speed_change, pump_speed_lag, back_pressure, pump_yield) = balances(
+                    x0, x1, x2, x3, x4, x5, x6, x8, x10, pump_command, pprv_command,
+                    oil_temperature, viscosity_ratio, disturbance + slope * (elapsed + ahead), oil_compliance, p,
                     on, cells, layout)
                 if stage == 0 and elapsed == 0.0:
                     if k == 0 and math.isnan(slowdown):
                         # Not known at the start: taken as settled.
                         slowdown = x8 = speed_change
+                    if wave and math.isnan(far_pressure):
+                        # So is what stands in the line.
+                        line_flow, far_pressure = flow, x1 - line_drop
+                        x9, x10 = line_flow, far_pressure
                     # Of the stage, not of the step, or the compiler takes what effects do with it
                     # (a sine) out of this block and does it in every step.
                     motor_angle = x4
-                    pressure_reading = pressure + line_drop
+                    pressure_reading = x1 if wave else pressure + line_drop
                     flow_reading = flow
                     speed_reading = late_reading
                     torque_reading = shaft_torque
@@ -480,16 +510,27 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 if pump_series_lag > 0.0:
                     # The lag before the swash plate's own: exact, since the command holds.
                     aim += (pilot_aim - target) * math.exp(-(elapsed + ahead) / pump_series_lag)
+                leaving = x9 if wave else flow
                 r0, r1, r2, r3, r4, r5, r6, r7, r8 = derivatives(
-                    flow, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
-                    speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, aim,
-                    pprv_target, pump_lag, rate, back_rate, speed_reading_lag, per_inertia,
-                    per_pprv_lag, p, on)
+                    leaving, motor_torque, load_torque, pump_flow, compliance, shaft_torque,
+                    speed_change, pump_speed_lag, x0, x1, x2, x3, x5, x7, x8, max(
+                        aim - pump_yield, min(aim, 0.0)),
+                    pprv_target, pump_lag, rate, back_rate, speed_reading_lag, near_share,
+                    per_inertia, per_pprv_lag, p, on)
+                r9 = r10 = 0.0
+                if wave:
+                    r9 = (x1 - x10 - line_drop) / line_inertance - line_damping * (x9 - flow)
+                    r10 = (x9 - flow) / (compliance * (line_far_share * p[P_volume]))
+                    if x10 <= CAVITATION_PRESSURE and r10 < 0.0:
+                        r10 = 0.0
                 if stage == 0:
                     step = max_step
                     if on[SLOT_shaft_compliance]:
                         step = min(step, SHAFT_STEP * math.sqrt(
                             max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
+                    if wave:
+                        step = min(step, line_step)
+                        still = -1
                     # A full step would start in, or run into, what is stiff.
                     if abs(motor_speed) < STIFF_SPEED + abs(r2) * step or (
                             pump_pressure + max(r1, 0.0) * step
@@ -546,6 +587,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 s6 += weight * r6
                 s7 += weight * r7
                 s8 += weight * r8
+                s9 += weight * r9
+                s10 += weight * r10
                 ahead = step if stage == 2 else 0.5 * step
                 x0 = displacement + ahead * r0
                 x1 = pump_pressure + ahead * r1
@@ -556,6 +599,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 x6 = twist + ahead * r6
                 x7 = reading + ahead * r7
                 x8 = slowdown + ahead * r8
+                x9 = line_flow + ahead * r9
+                x10 = far_pressure + ahead * r10 if wave else math.nan
             if k == n - 1:
                 break
             w = step / 6.0
@@ -568,6 +613,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             twist += w * s6
             reading += w * s7
             slowdown += w * s8
+            if wave:
+                line_flow += w * s9
+                far_pressure = max(far_pressure + w * s10, CAVITATION_PRESSURE)
             elapsed += step
             if interval - elapsed <= 1e-12:
                 break
@@ -589,3 +637,4 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
     state[3], state[4], state[5] = pprv_pressure, motor_angle, load_speed
     state[6], state[7], state[8], state[9] = twist, reading, play, last_command
     state[10], state[11], state[12], state[13] = slowdown, wide_play, pilot_aim, late_reading
+    state[14], state[15] = line_flow, far_pressure

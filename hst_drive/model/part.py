@@ -94,7 +94,8 @@ class PartModel:
             found.update(max_displacement=rig.pump.max_displacement,
                          nominal_speed=rig.pump.shaft_speed)
         oil = rig.line or Line()
-        found.update(bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
+        found.update(line_volume=oil.volume or math.inf,
+                     bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
                      * self.factor('line.bulk_modulus'), oil_density=oil.oil_density or DENSITY)
         if 'oil_temperature' in known and oil.oil_grade:
             found['viscosity_ratio'] = (viscosity(known['oil_temperature'], oil.oil_grade)
@@ -169,8 +170,10 @@ class PartModel:
         """
         pump = self.rig.pump
         command = command + self.terms('pump_command', {**known, 'pump_command': command})
+        taken = self.terms('pump_yield', known)
         if time is None:
-            return self.factor('pump.displacement_vs_command') * pump.displacement(command)
+            asked = self.factor('pump.displacement_vs_command') * pump.displacement(command)
+            return np.maximum(asked - taken, 0.0)
         play = float(np.max(self.terms('pump_play', known)))
         if play > 0:
             softness, spread = (float(np.max(self.terms(slot, known))) for slot in (
@@ -179,7 +182,8 @@ class PartModel:
                 known['rests_at'] / self.factor('pump.displacement_vs_command')))
             command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
-        target = self.factor('pump.displacement_vs_command') * pump.displacement(command)
+        target = np.maximum(self.factor('pump.displacement_vs_command')
+                            * pump.displacement(command) - taken, 0.0)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))
         series = float(np.max(self.terms('pump_series_lag', known)))

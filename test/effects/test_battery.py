@@ -16,7 +16,9 @@ CONTRACT = (
     'compressibility_flow prv_cracking pump_speed_droop pump_command_offset pump_hysteresis '
     'pump_rate_limit pump_lag bearing_friction stribeck_friction viscous_drag hydrodynamic_drag '
     'line_loss back_pressure piston_ripple shaft_compliance gearbox_loss pressure_sensor_bias '
-    'speed_sensor_lag torque_sensor_scale flow_sensor_scale constant_torque').split()
+    'speed_sensor_lag torque_sensor_scale flow_sensor_scale constant_torque '
+    'motor_orifice_leakage suction_starvation swash_compliance accumulator '
+    'line_inertance').split()
 BEYOND = ['bulk_modulus_rise', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
@@ -33,7 +35,7 @@ RANGES = {
     'oil_temperature': (250.0, 400.0), 'viscosity_ratio': (0.05, 60.0),
     'load_torque': (0.0, 1e5), 'flow': (-1e-2, 1e-2), 'pump_leakage': (0.0, 1e-3),
     'motor_leakage': (0.0, 1e-3), 'motor_displacement': (1e-7, 1e-2),
-    'max_displacement': (1e-7, 1e-4), 'bulk_modulus': (2e8, 2e9), 'oil_density': (700.0, 1000.0),
+    'max_displacement': (1e-7, 1e-4), 'line_volume': (1e-7, 10.0), 'bulk_modulus': (2e8, 2e9), 'oil_density': (700.0, 1000.0),
     'relief_pressure': (5e6, 4e7), 'pistons': (3.0, 15.0), 'characterised_at': (273.0, 373.0),
     'nominal_speed': (50.0, 400.0), 'twist': (-1.0, 1.0), 'efficiency': (0.0, 1.0),
 }

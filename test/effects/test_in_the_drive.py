@@ -13,6 +13,7 @@ from hst_drive.rig import default_rig
 from hst_drive.rig.yaml_file import read_yaml
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 RIG = default_rig()
 THINNER = viscosity(343.15, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
@@ -134,6 +135,15 @@ def test_leakage_takes_speed():
 @pytest.mark.parametrize('effects, channel, state, expected', [
     ({'motor_leakage': {'conductance': 1e-12}}, 'case_drain_flow', {}, 90e5 * 1e-12),
     ({'pump_leakage': {'conductance': 1e-12}}, 'pump_flow', {}, -90e5 * 1e-12),
+    ({'motor_orifice_leakage': {'flow_at_100_bar': 1e-5}}, 'case_drain_flow',
+     {'pressure': 25e5}, 0.5e-5),
+    ({'suction_starvation': {'share_at_full': 0.1, 'begins_at': 0.5}}, 'pump_flow',
+     {'command': 10.0}, -0.1 * RIG.pump.max_displacement * RIG.pump.shaft_speed),
+    ({'suction_starvation': {'share_at_full': 0.1, 'begins_at': 0.9}}, 'pump_flow', {}, 0.0),
+    ({'swash_compliance': {'share_at_100_bar': 0.05}}, 'pump_displacement', {},
+     -0.9 * 0.05 * RIG.pump.max_displacement),
+    ({'swash_compliance': {'share_at_100_bar': 0.05, 'begins_at': 60e5}}, 'pump_displacement',
+     {}, -0.3 * 0.05 * RIG.pump.max_displacement),
     ({'elastic_leakage': {'stretch': 1 / 90e5}}, 'case_drain_flow', {},
      7.0 * RIG.motor.leakage(90e5, 10.0)),             # twice the gap: eight times the flow
     ({'compressibility_flow': {'volume_ratio': 1.0, 'dead_share': 0.0}}, 'pump_flow', {},
@@ -175,6 +185,49 @@ def test_leakage_takes_speed():
 def test_closed_form(effects, channel, state, expected):
     """What an effect adds to its balance in one state."""
     assert differ(effects, channel, **state) == pytest.approx(expected, rel=2e-3, abs=1e-12)
+
+
+def test_the_swash_plate_yields_at_an_operating_point():
+    """Held at speed and load the command makes up for what pressure takes."""
+    stiff, soft = (operating_point(Drive(RIG, effects), 10.0, 200.0) for effects in (
+        {}, {'swash_compliance': {'share_at_100_bar': 0.05}}))
+    pressure = soft.readings['pump_outlet_pressure']
+    assert soft.readings['pump_displacement'] == pytest.approx(
+        stiff.readings['pump_displacement'], rel=2e-3)
+    assert RIG.pump.displacement(soft.pump_command) - RIG.pump.displacement(
+        stiff.pump_command) == pytest.approx(
+            0.05 * RIG.pump.max_displacement * pressure / 1e7, rel=0.03)
+
+
+def test_an_accumulator_takes_what_its_gas_gives_up():
+    """From its precharge on, as a polytropic gas; nothing below."""
+    volume, precharge, exponent = 3e-4, 40e5, 1.3
+    added = catalogue()['accumulator'].function
+    taken, _ = quad(lambda pressure: 2e-3 * added(pressure, 2e-3, volume, precharge, exponent),
+                    20e5, 120e5, points=[precharge])
+    left = volume * ((precharge + 101325.0) / (120e5 + 101325.0))**(1.0 / exponent)
+    assert taken == pytest.approx(volume - left, rel=1e-6)
+
+
+def test_a_line_with_mass_rings_between_its_two_volumes():
+    """Two springs of oil with a mass between them and the load's behind: the faster mode."""
+    inertance, share, turn = 4e8, 0.4, RIG.motor.displacement
+    near, far = ((1.0 - share) * RIG.line.volume / RIG.line.bulk_modulus,
+                 share * RIG.line.volume / RIG.line.bulk_modulus)
+    modes = np.linalg.eigvals([[0, -1 / near, 0, 0], [1 / inertance, 0, -1 / inertance, 0],
+                               [0, 1 / far, 0, -turn / far], [0, 0, turn / RIG.motor.inertia, 0]])
+    drive = Drive(RIG, {'line_inertance': {
+        'inertance': inertance, 'far_share': share, 'damping': 0.0}})
+    point = operating_point(drive, 10.0, 200.0)
+    time = 5e-4 * np.arange(4096)
+    pprv = np.where(time > 0.01, point.pprv_command + 1.0, point.pprv_command)
+    found = drive.simulate(time, {'pump_command': np.full(4096, point.pump_command),
+                                  'pprv_command': pprv}, point.state.copy())
+    drop = found['pump_outlet_pressure'] - found['motor_inlet_pressure']
+    assert abs(drop[10]) < 1e3      # nothing moves before the step
+    spectrum = np.abs(np.fft.rfft((drop - drop.mean()) * np.hanning(4096)))
+    ringing = 2 * math.pi * np.fft.rfftfreq(4096, 5e-4)[20 + np.argmax(spectrum[20:])]
+    assert ringing == pytest.approx(modes.imag.max(), rel=0.03)
 
 
 @pytest.mark.parametrize('laminar, turbulent', [(1e9, 0.0), (0.0, 1e12), (1e9, 1e12)])

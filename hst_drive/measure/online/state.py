@@ -91,6 +91,8 @@ class State:
         if not hasattr(self, '_stroke'):
             command = self.window.values['pump_command']
             known = {name: value for name, value in self.known.items() if np.ndim(value) == 0}
+            if PRESSURE in self.cut:
+                known['pump_pressure'] = self.window.values[PRESSURE]
             self._stroke = self.model.stroke(self.window.time, command, known)[self.inside]
         return self._stroke
 

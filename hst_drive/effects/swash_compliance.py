@@ -1,0 +1,39 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A swash plate that yields to pressure.
+
+The pistons push the plate back against its control; a power limiter that acts early does the
+same from some pressure on. Unlike leakage it is gone from the stroke itself, and follows pressure
+no faster than the plate moves.
+"""
+from hst_drive.effects.base import Effect, Parameter
+
+REFERENCE = 1e7     # Pa
+
+
+def pump_yield(pump_pressure, max_displacement, share_at_100_bar, begins_at):
+    """Return what pressure takes from the displacement, m^3/rad."""
+    return share_at_100_bar * max_displacement * max(pump_pressure - begins_at, 0.0) / REFERENCE
+
+
+EFFECT = Effect(
+    id='swash_compliance',
+    title='the swash plate yields to pressure',
+    slot='pump_yield',
+    function=pump_yield,
+    equation='D = D(command) - share_at_100_bar * D_max * max(P - begins_at, 0) / 100 bar',
+    parameters=(
+        Parameter('share_at_100_bar', '1', 0.0, 0.5, 0.04,
+                  'of the largest displacement, lost in 100 bar'),
+        Parameter('begins_at', 'Pa', 0.0, 2.5e7, 0.0, 'pressure from which on it yields',
+                  usual=(0.0,)),
+    ),
+    telltale='Displacement, and with it flow, falls with pressure whatever the command; after a '
+             'step of load it falls as slowly as the plate moves.',
+    source='Moment of the pistons on a swash plate and its control: N. D. Manring, Fluid Power '
+           'Pumps and Motors, McGraw-Hill 2013; G. Zeiger and A. Akers, Torque on the swashplate '
+           'of an axial piston pump, J. Dyn. Sys. Meas. Control 107 (1985).',
+    shows_in=('motor_speed', 'motor_inlet_flow', 'pump_displacement'),
+    starts=({'begins_at': 6e6},),
+)
