@@ -63,17 +63,21 @@ def uncertainty(names: Sequence[str], others: Sequence[str]) -> float:
 
 def plainer(search: Search, best: Candidate) -> Candidate:
     """
-    Return the best with an effect of fewer parameters in the place of one that looks alike.
+    Return the best with a plainer effect in the place of one that looks alike.
 
     Only where it leaves as much as the other, held out and fitted.
     """
+    def plain(name: str) -> tuple[bool, int]:
+        effect = catalogue()[name]
+        return effect.both_ways, len(effect.parameters)
+
     for name in best.names:
         kept = best.fit.model.without(name)
         others = tuple(entry for entry in best.names if entry != name)
         rivals = [search.refine(rival) for rival in search.try_all(
             [((*others, entry), kept) for entry in catalogue()[name].alike
              if entry in search.candidates and entry not in best.names
-             and len(catalogue()[entry].parameters) < len(catalogue()[name].parameters)],
+             and plain(entry) < plain(name)],
             'trying rivals', again=True)]
         as_good = [rival for rival in rivals if _leaves_as_little(search, best, rival)]
         if as_good:

@@ -124,10 +124,10 @@ class Campaign:
                 if name not in self.rig.effects and effect.searched in self.searched]
 
     def doubles(self, name: str) -> list[str]:
-        """Return effects that are not searched, as this one can take their form."""
+        """Return effects at the same place that are not searched: others can take their form."""
         return [other for other, effect in catalogue().items()
                 if other not in self.rig.effects
-                and (effect.slot == catalogue()[name].slot or name in effect.alike)
+                and effect.slot == catalogue()[name].slot
                 and effect.searched not in ('never', *self.searched)]
 
     def out_of_reach(self, name: str) -> str:

@@ -51,7 +51,10 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         return [base.with_effect(name, {**values, effect.order: float(entry)})
                 for entry in found] or trials[:1]
     further = effect.starts if alone is None or len(effect.starts) <= _FEW else ()
-    declared = [base.with_effect(name, {**values, **entry}) for entry in further]
+    # In logs of a part what a whole drive alone can tell stays as it is.
+    declared = [base.with_effect(name, {**values, **entry}) for entry in further
+                if 'parts' not in campaign.searched
+                or not any(effect.parameter(key).whole_drive for key in entry)]
     if len(declared) > _MANY:
         declared = _near(campaign, base, declared)
     trials += declared

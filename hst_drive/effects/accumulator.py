@@ -3,12 +3,13 @@
 """
 A gas accumulator in the line, wanted or not: it gives and takes oil above its precharge.
 
-Below its precharge it is closed. ``exponent``: 1 where the gas keeps the temperature of the oil, 1.4
-where it has no time to, above that with nitrogen at high pressure.
+Below its precharge it is closed. ``exponent``: 1 where the gas keeps the temperature of the oil,
+1.4 where it has no time to, above that with nitrogen at high pressure.
 """
 from hst_drive.effects.base import Effect, Parameter
 
 ATMOSPHERE = 101325.0   # Pa
+OPENING = 0.2           # of the precharge, over which the gas takes hold
 
 
 def compliance(pump_pressure, line_volume, gas_volume, precharge, exponent):
@@ -16,8 +17,9 @@ def compliance(pump_pressure, line_volume, gas_volume, precharge, exponent):
     absolute, closed = pump_pressure + ATMOSPHERE, precharge + ATMOSPHERE
     if absolute <= closed:
         return 0.0
-    return gas_volume * (closed / absolute)**(1.0 / exponent) / (
-        exponent * absolute * line_volume)
+    opened = min((absolute / closed - 1.0) / OPENING, 1.0)
+    gas = opened**2 * (3.0 - 2.0 * opened) * gas_volume * (closed / absolute)**(1.0 / exponent)
+    return gas / (exponent * absolute * line_volume)
 
 
 EFFECT = Effect(
@@ -25,8 +27,8 @@ EFFECT = Effect(
     title='a gas accumulator gives and takes oil above its precharge',
     slot='compliance',
     function=compliance,
-    equation='1/K = 1/K_oil + gas_volume * (p0/p)^(1/n) / (n*p*V) where p > p0, '
-             'p0 = precharge, n = exponent, p absolute',
+    equation='1/K = 1/K_oil + gas_volume * (p0/p)^(1/n) / (n*p*V) where p > p0, smooth from p0 '
+             'to 1.2 p0; p0 = precharge, n = exponent, p absolute',
     parameters=(
         Parameter('gas_volume', 'm^3', 0.0, 5e-3, 2e-5, 'gas at its precharge'),
         Parameter('precharge', 'Pa', 2e5, 2.5e7, 3e6, 'gauge pressure at which oil comes in',

@@ -77,8 +77,9 @@ READABLE: dict[str, str] = {
     'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
     'twist': 'rad', 'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s',
     'motor_displacement': 'm^3/rad', 'efficiency': '1',
-    'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa', 'oil_density': 'kg/m^3',
-    'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K', 'nominal_speed': 'rad/s',
+    'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa',
+    'oil_density': 'kg/m^3', 'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K',
+    'nominal_speed': 'rad/s',
 }
 
 # What is known where a slot lies: the equations are evaluated in order.
@@ -208,7 +209,7 @@ class Effect:
         Where a diagnosis searches it: 'always', only in logs of a part ('parts': elsewhere another
         effect can take its form, and it is tried in that one's place), or 'never'.
     both_ways : bool
-        Whether only logs that turn both ways show it: elsewhere it is the same as friction.
+        Whether only logs that turn both ways tell it from what is alike, which comes first.
 
     Raises
     ------

@@ -4,15 +4,19 @@
 A torque that does not change its sign with the rotation.
 
 A torque sensor that is off at zero, a hanging load, an amplifier with an offset. Where a drive
-turns one way only it looks like dry friction: it is searched in logs of a part that turns both
-ways, and elsewhere named beside friction.
+turns one way only, a torque at the shaft looks like dry friction and is named beside it.
 """
 from hst_drive.effects.base import Effect, Parameter
 
 
-def added(torque):
+def added(torque, in_sensor):
     """Return the torque that drives the hydromotor beyond its own, N.m."""
-    return -torque
+    return -torque * (1.0 - in_sensor)
+
+
+def zero(torque, in_sensor):
+    """Return what is added to the torque reading, N.m."""
+    return -torque * in_sensor
 
 
 EFFECT = Effect(
@@ -20,10 +24,14 @@ EFFECT = Effect(
     title='a torque that does not change its sign with the rotation',
     slot='motor_torque',
     function=added,
-    equation='T = -torque, whichever way it turns',
+    also=(('torque_reading', zero),),
+    equation='T = -torque, whichever way it turns; with in_sensor = 1 in the reading',
     parameters=(
         Parameter('torque', 'N.m', -500.0, 500.0, 12.0,
                   'what works against the positive direction'),
+        Parameter('in_sensor', '1', 0.0, 1.0, 0.0,
+                  'where: 0 at the shaft, 1 in the reading of its torque alone', fixed=True,
+                  whole_drive=True),
     ),
     telltale='Torque is off by the same amount in both directions: more than it should be in one, '
              'less in the other.',
@@ -32,6 +40,6 @@ EFFECT = Effect(
            'identification of robot dynamics, IEEE Trans. Control Systems Technology 21 (2013).',
     shows_in=('motor_torque', 'load_torque'),
     alike=('bearing_friction', 'back_pressure', 'pressure_sensor_bias'),
-    searched='parts',
     both_ways=True,
+    starts=({'in_sensor': 1.0},),
 )

@@ -34,6 +34,7 @@ CONSTANTS = {
     'CAVITATION_PRESSURE': -0.9e5,    # Pa gauge
     'BEND_PRESSURE': 1e3,             # Pa and rad/s: differences of third order in one step, up
     'BEND_SPEED': 5e-4,               # to which Adams and Bashforth's method is trusted
+    'BEND_COMPLIANCE': 1e5,           # Pa, of one step where the compliance goes with pressure
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance

@@ -468,8 +468,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                  compliance, shaft_torque, relief_flow, line_drop, shaft_compliance,
                  speed_change, pump_speed_lag, back_pressure, pump_yield) = balances(
                     x0, x1, x2, x3, x4, x5, x6, x8, x10, pump_command, pprv_command,
-                    oil_temperature, viscosity_ratio, disturbance + slope * (elapsed + ahead), oil_compliance, p,
-                    on, cells, layout)
+                    oil_temperature, viscosity_ratio, disturbance + slope * (elapsed + ahead),
+                    oil_compliance, p, on, cells, layout)
                 if stage == 0 and elapsed == 0.0:
                     if k == 0 and math.isnan(slowdown):
                         # Not known at the start: taken as settled.
@@ -528,6 +528,9 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     if on[SLOT_shaft_compliance]:
                         step = min(step, SHAFT_STEP * math.sqrt(
                             max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
+                    if compliance != oil_compliance and abs(r1) * step > BEND_COMPLIANCE:
+                        # What gas adds to the oil's spring changes within a few bar.
+                        step = max(BEND_COMPLIANCE / abs(r1), 0.1 * max_step)
                     if wave:
                         step = min(step, line_step)
                         still = -1

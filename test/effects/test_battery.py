@@ -35,7 +35,8 @@ RANGES = {
     'oil_temperature': (250.0, 400.0), 'viscosity_ratio': (0.05, 60.0),
     'load_torque': (0.0, 1e5), 'flow': (-1e-2, 1e-2), 'pump_leakage': (0.0, 1e-3),
     'motor_leakage': (0.0, 1e-3), 'motor_displacement': (1e-7, 1e-2),
-    'max_displacement': (1e-7, 1e-4), 'line_volume': (1e-7, 10.0), 'bulk_modulus': (2e8, 2e9), 'oil_density': (700.0, 1000.0),
+    'max_displacement': (1e-7, 1e-4), 'line_volume': (1e-7, 10.0), 'bulk_modulus': (2e8, 2e9),
+    'oil_density': (700.0, 1000.0),
     'relief_pressure': (5e6, 4e7), 'pistons': (3.0, 15.0), 'characterised_at': (273.0, 373.0),
     'nominal_speed': (50.0, 400.0), 'twist': (-1.0, 1.0), 'efficiency': (0.0, 1.0),
 }

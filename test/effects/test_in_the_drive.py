@@ -204,9 +204,11 @@ def test_an_accumulator_takes_what_its_gas_gives_up():
     volume, precharge, exponent = 3e-4, 40e5, 1.3
     added = catalogue()['accumulator'].function
     taken, _ = quad(lambda pressure: 2e-3 * added(pressure, 2e-3, volume, precharge, exponent),
-                    20e5, 120e5, points=[precharge])
-    left = volume * ((precharge + 101325.0) / (120e5 + 101325.0))**(1.0 / exponent)
-    assert taken == pytest.approx(volume - left, rel=1e-6)
+                    50e5, 120e5)
+    gas = [volume * ((precharge + 101325.0) / (pressure + 101325.0))**(1.0 / exponent)
+           for pressure in (50e5, 120e5)]
+    assert taken == pytest.approx(gas[0] - gas[1], rel=1e-6)
+    assert added(39e5, 2e-3, volume, precharge, exponent) == 0.0
 
 
 def test_a_line_with_mass_rings_between_its_two_volumes():

@@ -141,7 +141,8 @@ def test_small_pieces_agree_with_the_whole():
     np.testing.assert_allclose(state, whole, rtol=2e-5)
     # What is not known at the start settles at once.
     known = np.isfinite(start)
-    assert [STATES[k] for k in np.flatnonzero(~known)] == ['slowdown', 'pilot_aim']
+    assert [STATES[k] for k in np.flatnonzero(~known)] == [
+        'slowdown', 'pilot_aim', 'line_flow', 'far_pressure']
     assert drive.advance(start, 0.0, **inputs)[known] == pytest.approx(start[known])
 
 

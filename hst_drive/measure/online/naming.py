@@ -28,7 +28,8 @@ _MOST = 6
 _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
          'line_upstream_share', 'shaft_compliance', 'shaft_load_share', 'shaft_damping_time',
-         'speed_reading_lag', 'speed_reading_series_lag', 'motor_torque')
+         'line_inertance', 'line_far_share', 'line_damping', 'speed_reading_lag',
+         'speed_reading_series_lag', 'motor_torque')
 """Slots of terms whose means over a block are next to nothing."""
 
 
@@ -63,7 +64,8 @@ class Signatures:
 
     def __init__(self, rig: Rig):
         tried = {name: effect for name, effect in catalogue().items()
-                 if name not in rig.effects and effect.searched == 'always'}
+                 if name not in rig.effects and effect.searched == 'always'
+                 and not effect.both_ways}
         self.unseen = tuple(name for name, effect in tried.items()
                             if all(slot in _FAST for slot, _ in effect.terms))
         self._effects = {name: effect for name, effect in tried.items()
