@@ -12,9 +12,11 @@ from hst_drive.effects.base import Effect, Parameter
 REFERENCE = 1e7     # Pa
 
 
-def pump_yield(pump_pressure, max_displacement, share_at_100_bar, begins_at):
+def pump_yield(pump_pressure, displacement, max_displacement, share_at_100_bar, begins_at,
+               with_stroke):
     """Return what pressure takes from the displacement, m^3/rad."""
-    return share_at_100_bar * max_displacement * max(pump_pressure - begins_at, 0.0) / REFERENCE
+    yielding = (1.0 - with_stroke) * max_displacement + with_stroke * displacement
+    return share_at_100_bar * yielding * max(pump_pressure - begins_at, 0.0) / REFERENCE
 
 
 EFFECT = Effect(
@@ -22,12 +24,16 @@ EFFECT = Effect(
     title='the swash plate yields to pressure',
     slot='pump_yield',
     function=pump_yield,
-    equation='D = D(command) - share_at_100_bar * D_max * max(P - begins_at, 0) / 100 bar',
+    equation='D = D(command) - share_at_100_bar * max(P - begins_at, 0)/(100 bar) * '
+             '((1 - with_stroke)*D_max + with_stroke*D)',
     parameters=(
         Parameter('share_at_100_bar', '1', 0.0, 0.5, 0.04,
                   'of the largest displacement, lost in 100 bar'),
         Parameter('begins_at', 'Pa', 0.0, 2.5e7, 0.0, 'pressure from which on it yields',
                   usual=(0.0,)),
+        Parameter('with_stroke', '1', 0.0, 1.0, 0.0,
+                  'part of it that goes with the stroke: the moment of the pistons on the plate '
+                  'goes with both', usual=(0.0, 1.0)),
     ),
     telltale='Displacement, and with it flow, falls with pressure whatever the command; after a '
              'step of load it falls as slowly as the plate moves.',
@@ -35,5 +41,5 @@ EFFECT = Effect(
            'Pumps and Motors, McGraw-Hill 2013; G. Zeiger and A. Akers, Torque on the swashplate '
            'of an axial piston pump, J. Dyn. Sys. Meas. Control 107 (1985).',
     shows_in=('motor_speed', 'motor_inlet_flow', 'pump_displacement'),
-    starts=({'begins_at': 6e6},),
+    starts=({'with_stroke': 1.0}, {'begins_at': 6e6}),
 )

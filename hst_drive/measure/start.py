@@ -134,8 +134,9 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
         state[6] = twist_at(drive, load)
     # A plate with play rests where the flow says, not where the command says.
     state[9] = commands['pump_command']
+    asked = state[0] + drive.pump_yield(state[1], state[0])
     state[8] = state[11] = pump.command_of(
-        (state[0] + drive.pump_yield(state[1])) / drive.parameters[INDEX['displacement_scale']])
+        asked / drive.parameters[INDEX['displacement_scale']])
     return state
 
 

@@ -150,9 +150,9 @@ class Drive:
                     total += function(*(given[key] for key in arguments(function)))
         return total
 
-    def pump_yield(self, pressure: float) -> float:
-        """Return what a pressure (Pa) takes from the pump's displacement, m^3/rad."""
-        return float(self.slot('pump_yield', pump_pressure=pressure,
+    def pump_yield(self, pressure: float, displacement: float) -> float:
+        """Return what a pressure (Pa) takes from the pump's displacement (m^3/rad)."""
+        return float(self.slot('pump_yield', pump_pressure=pressure, displacement=displacement,
                                max_displacement=self.rig.pump.max_displacement))
 
     def scale(self, factors: Mapping[str, float]) -> None:
@@ -201,7 +201,7 @@ class Drive:
         pressure = pprv_pressure if pressure is None else pressure
         state = np.zeros(len(STATES))
         asked = scale * self.rig.pump.displacement(pump_command)
-        state[:4] = (max(asked - self.pump_yield(pressure), 0.0), pressure, speed,
+        state[:4] = (max(asked - self.pump_yield(pressure, asked), 0.0), pressure, speed,
                      self.parameters[INDEX['pprv_pressure_scale']] * pprv_pressure)
         state[5] = state[7] = state[13] = speed
         state[8] = state[9] = state[11] = pump_command

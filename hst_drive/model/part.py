@@ -170,10 +170,8 @@ class PartModel:
         """
         pump = self.rig.pump
         command = command + self.terms('pump_command', {**known, 'pump_command': command})
-        taken = self.terms('pump_yield', known)
         if time is None:
-            asked = self.factor('pump.displacement_vs_command') * pump.displacement(command)
-            return np.maximum(asked - taken, 0.0)
+            return self._yielding(command, known)
         play = float(np.max(self.terms('pump_play', known)))
         if play > 0:
             softness, spread = (float(np.max(self.terms(slot, known))) for slot in (
@@ -182,8 +180,7 @@ class PartModel:
                 known['rests_at'] / self.factor('pump.displacement_vs_command')))
             command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
-        target = np.maximum(self.factor('pump.displacement_vs_command')
-                            * pump.displacement(command) - taken, 0.0)
+        target = self._yielding(command, known)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
             np.max(self.terms('pump_lag', known)))
         series = float(np.max(self.terms('pump_series_lag', known)))
@@ -199,6 +196,11 @@ class PartModel:
         mean = pump.max_displacement / full
         return follow(time, target, max(lag, 1e-6), mean * (1 + asymmetry),
                       mean * (1 - asymmetry))
+
+    def _yielding(self, command: np.ndarray, known: Known) -> np.ndarray:
+        """Return the displacement (m^3/rad) on which the plate settles under pressure."""
+        asked = self.factor('pump.displacement_vs_command') * self.rig.pump.displacement(command)
+        return np.maximum(asked - self.terms('pump_yield', {**known, 'displacement': asked}), 0.0)
 
     def pump_flow(self, known: Known) -> Any:
         """Return the oil that a pump of known stroke and speed delivers, m^3/s."""
