@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from hst_drive.bag.channels import channel_of, differences
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import SLOWEST
 from hst_drive.measure.faults import without_faults, without_lost_rows
@@ -132,7 +133,7 @@ def disorder(name: str, stamps: np.ndarray) -> list[str]:
 
 def alternates(signal: Signal) -> bool:
     """Tell whether every other value belongs to another signal: two sources on one topic."""
-    if CHANNELS[signal.channel].hold != 'linear':
+    if channel_of(signal.channel).hold != 'linear':
         return False
     values = signal.values[np.argsort(signal.stamps, kind='stable')]
     values = values[np.isfinite(values)]
@@ -169,7 +170,8 @@ def align(signals: Sequence[Signal], name: str, source: str, notes: Sequence[str
         notes.append(f'{", ".join(moved)}: read at the stamps of {base.channel}')
     if origin is None:
         origin = base.stamps[0] if len(base.stamps) else 0
-    return finish_run(name, (base.stamps - origin) / 1e9, channels, source, notes, 'messages')
+    return finish_run(name, (base.stamps - origin) / 1e9, differences(channels), source, notes,
+                      'messages')
 
 
 def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:
@@ -183,7 +185,7 @@ def sample(signal: Signal, stamps: np.ndarray) -> np.ndarray:
     own, values = signal.stamps[good], signal.values[good]
     if not len(own):
         return np.full(len(stamps), np.nan)
-    held = CHANNELS[signal.channel].hold == 'zero'
+    held = channel_of(signal.channel).hold == 'zero'
     # A command that comes between two stamps acts from the nearer one on.
     half = int(np.median(np.diff(stamps))) // 2 if held and len(stamps) > 1 else 0
     before = np.searchsorted(own, stamps + half, side='right') - 1

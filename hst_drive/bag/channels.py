@@ -13,6 +13,7 @@ A map is a YAML file (``config/channels_example.yaml``)::
       pump_command: {from: AI3, unit: V, scale: 2.0, offset: -0.05}
       oil_temperature: T_oil[degF]
       case_drain_flow: {from: '/plc.data[7]', unit: L/min}
+      motor_inlet_pressure: {minus: ['p_A[bar]', 'p_B[bar]']}
       motor_torque: {from: '/diagnostics.status[drill: torque].values[shaft]', unit: N.m}
     time: {from: t, unit: ms}
     namespace: /rig1/drive
@@ -24,6 +25,7 @@ A map is a YAML file (``config/channels_example.yaml``)::
 * ``unit``: of the number as recorded, after scale and offset. It may be left out where the
   column's header or the message's definition (FluidPressure, Temperature, JointState) says it.
 * ``scale``, ``offset``: value = scale * recorded + offset, before the unit counts.
+* ``minus``: the difference of two, the first minus the second; each is written as any entry.
 * ``absolute: true``: the pressure is absolute; 101325 Pa are taken off. FluidPressure is
   absolute unless the map says ``absolute: false``.
 * ``time`` names the time column of a CSV file; ``namespace`` picks one of several drives in a
@@ -39,16 +41,22 @@ from typing import Any, NamedTuple
 
 from hst_drive.bag.topics import ATMOSPHERE
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS
+from hst_drive.measure.run import Channel, CHANNELS
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import canonical, si_unit, to_si, UnitError
+import numpy as np
 
 _KEYS = ('from', 'unit', 'scale', 'offset', 'absolute')
 _TOP = ('channels', 'time', 'namespace')
+_MINUS = ' minus'       # behind a channel's name: what is taken off it
 
 
 class Entry(NamedTuple):
-    """Where one channel comes from; ``unit`` and ``absolute`` are None where not given."""
+    """
+    Where one channel comes from; ``unit`` and ``absolute`` are None where not given.
+
+    What is taken off a channel is an entry, too (``minus`` of the map).
+    """
 
     channel: str
     source: str
@@ -111,7 +119,16 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
         if name not in CHANNELS:
             raise InputError(f'{source}: channels.{name}: no such channel'
                              f'{_near(str(name), CHANNELS)} Known: {", ".join(CHANNELS)}')
-        entries[name] = entry_of(name, value, f'{source}: channels.{name}', CHANNELS[name].unit)
+        where = f'{source}: channels.{name}'
+        if not isinstance(value, dict) or 'minus' not in value:
+            entries[name] = entry_of(name, value, where, CHANNELS[name].unit)
+            continue
+        if set(value) != {'minus'} or not isinstance(value['minus'], list) or (
+                len(value['minus']) != 2):
+            raise InputError(f'{where}: expected {{minus: [FIRST, SECOND]}} and nothing beside, '
+                             f'found {value!r}')
+        for key, part in zip((name, name + _MINUS), value['minus']):
+            entries[key] = entry_of(key, part, f'{where}.minus', CHANNELS[name].unit)
     time = data.get('time')
     namespace = data.get('namespace')
     if namespace is not None and not (isinstance(namespace, str) and namespace.startswith('/')):
@@ -119,6 +136,17 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
                          f'found {namespace!r}')
     return ChannelMap(entries, None if time is None else entry_of(
         'time', time, f'{source}: time', 's'), namespace, source)
+
+
+def channel_of(name: str) -> Channel:
+    """Return the channel of an entry, also of what is taken off one."""
+    return CHANNELS[name.removesuffix(_MINUS)]
+
+
+def differences(channels: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return channels without what is taken off them."""
+    return {name: values - channels[name + _MINUS] if name + _MINUS in channels else values
+            for name, values in channels.items() if not name.endswith(_MINUS)}
 
 
 def entry_of(name: str, value: Any, where: str, si: str) -> Entry:

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
-from hst_drive.bag.channels import ChannelMap, check_unit, Entry, is_unit, left_out, split_header
+from hst_drive.bag.channels import (
+    channel_of, ChannelMap, check_unit, differences, Entry, is_unit, left_out, split_header)
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import from_si
@@ -54,8 +55,8 @@ class Layout(NamedTuple):
         if whole:
             values[0] = _spread(values[0], self.notes)
         _check_time(values[0], rows, self.path)
-        return values[0], {entry.channel: column
-                           for (_, entry, _), column in zip(self.picks[1:], values[1:])}
+        return values[0], differences({
+            entry.channel: column for (_, entry, _), column in zip(self.picks[1:], values[1:])})
 
 
 def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layout:
@@ -230,10 +231,10 @@ def _column(entry: Entry, header: list[str], names: list[str], path: str, source
 def _unit(entry: Entry, cell: str, path: str) -> str:
     if entry.unit:
         return entry.unit
-    si = 's' if entry.channel == 'time' else CHANNELS[entry.channel].unit
+    si = 's' if entry.channel == 'time' else channel_of(entry.channel).unit
     name, unit = split_header(cell)
     if unit is None:
-        example = 's' if entry.channel == 'time' else CHANNELS[entry.channel].display
+        example = 's' if entry.channel == 'time' else channel_of(entry.channel).display
         raise InputError(f'{path}: column {cell!r} has no unit; write it as {name}[{example}]')
     return check_unit(unit, si, f'{path}: column {cell!r}')
 

@@ -9,13 +9,12 @@ import re
 from typing import NamedTuple
 
 from hst_drive.bag.cdr import Codec
-from hst_drive.bag.channels import ChannelMap, Entry
+from hst_drive.bag.channels import channel_of, ChannelMap, Entry
 from hst_drive.bag.diagnostic_values import known, parse_path
 from hst_drive.bag.stream import Stream
 from hst_drive.bag.topic_numbers import TopicNumbers
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, Field, STANDARD_UNITS, Topic, TOPICS, TRUTH
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS
 from hst_drive.units import si_unit
 
 _SHOWN = 12
@@ -125,7 +124,7 @@ def mapped_pick(entry: Entry, streams: Sequence[Stream], source: str) -> tuple[S
     unit, absolute = STANDARD_UNITS.get((stream.type, path.partition('[')[0]), (None, False))
     if entry.unit is None and unit is None:
         raise InputError(f'{where}: needs its unit, as {stream.type} does not fix it')
-    if entry.unit is None and si_unit(unit) != CHANNELS[entry.channel].unit:
+    if entry.unit is None and si_unit(unit) != channel_of(entry.channel).unit:
         raise InputError(f'{where}: {topic}.{path} is in [{unit}] by its definition, which is '
                          f'no {entry.channel}')
     return stream, Pick(entry, path, unit or '', absolute)

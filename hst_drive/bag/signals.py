@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.align import align, alternates, Signal
-from hst_drive.bag.channels import ChannelMap
+from hst_drive.bag.channels import channel_of, ChannelMap
 from hst_drive.bag.clock import set_forward_again
 from hst_drive.bag.picks import (all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond,
                                  refuse_joints)
@@ -85,7 +85,7 @@ class BagSignals:
         """Tell whether a topic may carry one of the channels."""
         channels = [channel for channel, source in self._mapped.items() if source == topic]
         channels += [field.channel for field in own_fields(topic, self._map)]
-        return any(channel in self._only for channel in channels)
+        return any(channel_of(channel).name in self._only for channel in channels)
 
     def take(self, streams: Sequence[Stream]) -> None:
         """Take the messages of a block; all topics known so far come with it."""
@@ -142,7 +142,7 @@ class BagSignals:
                 if pick.entry.source and pick.path not in topic.seen:
                     refuse_beyond(pick, topic, self._map.source)
             chosen.append((topic, [
-                pick for pick in wanted if pick.entry.channel in self._only
+                pick for pick in wanted if channel_of(pick.entry.channel).name in self._only
                 and (pick.path in topic.seen or not _may_be_empty(pick))]))
         clocked = _common_clock([topic for topic, _ in chosen], self.notes)
         if not any(wanted for _, wanted in chosen):

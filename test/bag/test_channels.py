@@ -94,6 +94,21 @@ def test_a_foreign_csv_is_read_by_a_map(tmp_path):
     np.testing.assert_allclose(run['pump_outlet_pressure'], (200 + np.arange(20)) * 1e3 - 101325)
 
 
+def test_a_channel_may_be_the_difference_of_two(foreign, tmp_path):
+    """Two ports of a hydromotor, in units of their own."""
+    path = tmp_path / 'log.csv'
+    path.write_text('\n'.join(['time[s],A[bar],B', *(
+        f'{0.01 * i:g},{100 + i},{300 * i}' for i in range(20))]))
+    run = read_log(path, parse_channel_map({'channels': {'motor_inlet_pressure': {
+        'minus': ['A', {'from': 'B', 'unit': 'kPa'}]}}}))
+    assert list(run.channels) == ['motor_inlet_pressure']
+    np.testing.assert_allclose(run['motor_inlet_pressure'], 1e7 - 2e5 * np.arange(20), atol=1e-6)
+    both = {'from': '/rig/joints.velocity[drill]'}
+    run = read_log(foreign, parse_channel_map({'channels': {'motor_speed': {
+        'minus': [both, {**both, 'scale': 0.25}]}}}))
+    np.testing.assert_allclose(run['motor_speed'], 0.75 * np.arange(40.0))
+
+
 def test_a_map_that_does_not_fit_the_csv(tmp_path):
     path = tmp_path / 'log.csv'
     path.write_text('\n'.join(['time[s],AI3', *(f'{i},{i}' for i in range(20))]))
@@ -112,6 +127,9 @@ def test_a_map_that_does_not_fit_the_csv(tmp_path):
     ({'channels': {'motor_sped': 'x'}}, "no such channel; did you mean 'motor_speed'"),
     ({'channels': {'motor_speed': 3}}, 'expected {from'),
     ({'channels': {'motor_speed': {'unit': 'rpm'}}}, 'expected {from'),
+    ({'channels': {'motor_speed': {'minus': ['x']}}}, 'expected {minus'),
+    ({'channels': {'motor_speed': {'minus': ['x', 'y'], 'scale': 2}}}, 'nothing beside'),
+    ({'channels': {'motor_speed': {'minus': ['x', 3]}}}, 'minus: expected {from'),
     ({'channels': {'motor_speed': {'from': 'x', 'unt': 'rpm'}}}, "'unt'; did you mean 'unit'"),
     ({'channels': {'motor_speed': {'from': 'x', 'unit': 'bar'}}}, 'another quantity'),
     ({'channels': {'motor_speed': {'from': 'x', 'unit': 'rmp'}}}, 'unknown unit'),
@@ -143,7 +161,7 @@ def test_unreadable_maps(tmp_path):
 
 
 def test_the_example_is_a_good_map():
-    assert len(load_channel_map(EXAMPLE).entries) == 7
+    assert len(load_channel_map(EXAMPLE).entries) == 9     # of two the difference
 
 
 def test_the_table_of_topics_is_consistent():
