@@ -11,6 +11,7 @@ from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
 from hst_drive.rig.adopted import read_effects
+from hst_drive.rig.characteristic import constant, LEAKAGE, leakage, torque_efficiency
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
@@ -146,7 +147,9 @@ def _section(name: str, content, source: str, part: bool):
             number = _number(found, entry.low, entry.high, source, path, entry.unit)
             values[entry.attribute] = to_si(number, entry.unit)
         elif isinstance(entry, Table):
-            values[entry.attribute] = _table(entry, found, source, path)
+            values[entry.attribute] = (
+                _characteristic(entry, found, content, source, path) or
+                _table(entry, found, source, path))
         elif isinstance(entry, Limits):
             values[entry.attribute] = _limits(found, source, path, entry.unit)
         else:
@@ -180,6 +183,29 @@ def _list(found, low: float, high: float, source: str, path: str, unit: str) -> 
                          'least 2 numbers')
     return np.array([_number(value, low, high, source, f'{path}[{index}]', unit)
                      for index, value in enumerate(found)])
+
+
+def _characteristic(entry: Table, found, content, source: str,
+                    path: str) -> Surface | None:
+    """Return a loss that is given as one number or by coefficients, None if it is a table."""
+    if not entry.coefficients:
+        return None
+    if not isinstance(found, (dict, list)):
+        return constant(to_si(_number(
+            found, entry.low, entry.high, source, path, entry.unit), entry.unit))
+    if not isinstance(found, dict) or not set(found) & set(entry.coefficients):
+        return None
+    _known(found, entry.coefficients, source, path)
+    given = {key: _number(value, 0, 1e6, source, f'{path}.{key}', '1')
+             for key, value in found.items()}
+    if entry.coefficients == LEAKAGE:
+        return leakage(given)
+    if not content.get('displacement_cc_rev'):
+        raise InputError(f"{source}: '{path}' by coefficients needs 'motor.displacement_cc_rev'; "
+                         'add it')
+    return torque_efficiency(given, to_si(_number(
+        content['displacement_cc_rev'], 0.1, 50000, source, 'motor.displacement_cc_rev',
+        'cc/rev'), 'cc/rev'))
 
 
 def _table(entry: Table, found, source: str, path: str) -> Curve | Surface:

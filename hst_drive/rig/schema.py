@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.rig.characteristic import LEAKAGE, TORQUE
+
 
 class Number(NamedTuple):
     """
@@ -29,7 +31,8 @@ class Table(NamedTuple):
     """
     A table: attribute, axes (key, unit), value key, unit and plausible range.
 
-    ``rising`` where the drive inverts the table, so that its values must not fall.
+    ``rising`` where the drive inverts the table, so that its values must not fall. One with
+    ``coefficients`` may be one number, or those keys of a model (``characteristic``), instead.
     """
 
     attribute: str
@@ -39,6 +42,7 @@ class Table(NamedTuple):
     low: float
     high: float
     rising: bool = False
+    coefficients: tuple[str, ...] = ()
 
 
 class Limits(NamedTuple):
@@ -66,14 +70,16 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
             'displacement', (_COMMAND,), 'displacement_cc_rev', 'cc/rev', 0, 5000, True),
         'displacement_lag_s': Number('displacement_lag', 's', 1e-4, 10),
         'leakage_L_min': Table(
-            'leakage', (_PRESSURE, _COMMAND), 'table', 'L/min', 0, 500),
+            'leakage', (_PRESSURE, _COMMAND), 'table', 'L/min', 0, 500, coefficients=LEAKAGE),
     },
     'motor': {
         'displacement_cc_rev': Number('displacement', 'cc/rev', 0.1, 50000),
         'inertia_total_kg_m2': Number('inertia', 'kg.m^2', 1e-6, 1e5),
-        'leakage_L_min': Table('leakage', (_PRESSURE, _SPEED), 'table', 'L/min', 0, 500),
+        'leakage_L_min': Table('leakage', (_PRESSURE, _SPEED), 'table', 'L/min', 0, 500,
+                               coefficients=LEAKAGE),
         'mechanical_efficiency': Table(
-            'mechanical_efficiency', (_PRESSURE, _SPEED), 'table', '1', 0.01, 1),
+            'mechanical_efficiency', (_PRESSURE, _SPEED), 'table', '1', 0.01, 1,
+            coefficients=TORQUE),
         'pistons': Number('pistons', '1', 3, 101, optional=True),
     },
     'line': {

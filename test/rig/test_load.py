@@ -8,6 +8,7 @@ from pathlib import Path
 from hst_drive.errors import InputError
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
+from hst_drive.model.steady import operating_point
 from hst_drive.resources import share
 from hst_drive.rig import default_rig, load_rig, parse_rig
 import numpy as np
@@ -105,7 +106,12 @@ def test_tables_hold_their_ends_and_are_linear_between():
      "displacement_cc_rev[3]' is 2 after 3; expected values that do not fall"),
     ('pump.displacement_vs_command.displacement_cc_rev', [0, 1], 'has 2 values, expected 8'),
     ('loading.pprv_pressure_vs_command.command_V', [0], 'expected a list of at least 2 numbers'),
-    ('motor.leakage_L_min', 5, "'motor.leakage_L_min' is 5, expected a mapping"),
+    ('motor.leakage_L_min', 'some', "'motor.leakage_L_min' is 'some', expected a number in L/min"),
+    ('motor.leakage_L_min', [1, 2], "'motor.leakage_L_min' is [1, 2], expected a mapping"),
+    ('motor.leakage_L_min', {'laminar_L_min_per_bar': 0.1, 'turbulent_per_bar': 1},
+     "did you mean 'turbulent_L_min_per_sqrt_bar'"),
+    ('motor.mechanical_efficiency', 1.2, "'motor.mechanical_efficiency' is 1.2, outside"),
+    ('pump.displacement_vs_command', 5, "'pump.displacement_vs_command' is 5, expected a mapping"),
     ('motor.leakage_L_min.table', 5, "table' is 5, expected 7 rows"),
     ('motor.leakage_L_min.table', [[0, 1]], "table' has 1 rows, expected 7 rows: one for each "
      "value of 'pressure_bar'"),
@@ -211,6 +217,27 @@ def test_a_part_may_tell_of_its_oil_alone():
     whole = changed('line', {'oil_grade': 'ISO VG 46'})
     with pytest.raises(InputError, match="'line.bulk_modulus_Pa' is missing"):
         parse_rig(whole)
+
+
+def test_losses_may_be_numbers_or_coefficients():
+    """What a maker's sheet has instead of tables, against the formulas themselves."""
+    content = changed('motor.leakage_L_min', {
+        'laminar_L_min_per_bar': 0.004, 'turbulent_L_min_per_sqrt_bar': 0.02})
+    content['motor']['mechanical_efficiency'] = {
+        'coulomb_N_m': 8.0, 'viscous_N_m_s_per_rad': 0.3, 'pressure_share': 0.03}
+    content['pump']['leakage_L_min'] = 0.5
+    rig = parse_rig(content)
+    for bar, speed in ((15.0, 1.0), (40.0, 10.0), (163.0, 20.0)):
+        leak = 0.004 * bar + 0.02 * math.sqrt(bar)
+        assert rig.motor.leakage(bar * 1e5, speed) * 6e4 == pytest.approx(leak, rel=5e-3)
+        assert rig.pump.leakage(bar * 1e5, 4.0) * 6e4 == pytest.approx(0.5)
+        ideal = bar * 1e5 * rig.motor.displacement
+        kept = max(ideal * 0.97 - 8.0 - 0.3 * speed, 0.01 * ideal)
+        assert rig.motor.mechanical_efficiency(bar * 1e5, speed) * ideal == pytest.approx(
+            kept, rel=5e-3, abs=0.1)
+    point = operating_point(Drive(rig), 10.0, 200.0)
+    pressure = point.readings['motor_inlet_pressure']
+    assert pressure * rig.motor.displacement * 0.97 - 8.0 - 3.0 == pytest.approx(200.0, rel=1e-3)
 
 
 def test_parameters_that_are_left_out_are_neutral():
