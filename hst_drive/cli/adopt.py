@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from hst_drive.cli.common import add_rig_argument, read_json
+from hst_drive.cli.common import add_rig_argument, read_json, rig_file_of
 from hst_drive.cli.output import add_force_argument, refuse_to_replace, say, size, write_yaml
 from hst_drive.errors import InputError
 
@@ -37,10 +37,10 @@ def run(args: argparse.Namespace) -> int:
     """Adopt and say what was added."""
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.result import UNIT_ALONE
-    from hst_drive.rig import default_rig_file, parse_rig
+    from hst_drive.rig import parse_rig
     from hst_drive.rig.yaml_file import read_yaml
 
-    rig_file = args.rig or str(default_rig_file())
+    rig_file = rig_file_of(args)
     _refuse_inputs(args, rig_file)
     refuse_to_replace(args.output, args.force)
     diagnosis = read_json(args.diagnosis)

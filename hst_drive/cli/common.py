@@ -37,6 +37,13 @@ def add_rig_argument(parser: argparse.ArgumentParser) -> None:
                         help='the rig the model stands for (default: the shipped test rig)')
 
 
+def rig_file_of(args: argparse.Namespace) -> str:
+    """Return the file of the rig that was asked for."""
+    from hst_drive.rig import default_rig_file
+
+    return args.rig or str(default_rig_file())
+
+
 def rig_of(args: argparse.Namespace) -> Rig:
     """Return the rig that was asked for."""
     from hst_drive.rig import default_rig, load_rig

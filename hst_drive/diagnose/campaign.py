@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.diagnose.columns import Column, columns
+from hst_drive.diagnose.conditions import prior
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
@@ -72,7 +73,8 @@ class Campaign:
     Parameters
     ----------
     rig : Rig
-        Baseline, effects that it has adopted included.
+        Baseline, effects that it has adopted included. Its unit's factors are as independent as
+        the make's tolerances are, or tied by what commissioning told (``ties``).
     runs, holdout : sequence of Run
         Without ``holdout`` a third of each log's time is held out.
 
@@ -86,7 +88,7 @@ class Campaign:
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         self.rig = rig
         self.drive = self._model()
-        self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
+        self.tolerances, self.ties = prior(rig, (*runs, *holdout))
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive

@@ -10,6 +10,7 @@ from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
+from hst_drive.diagnose.conditions import outside
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit, fit
 from hst_drive.diagnose.intervals import intervals
@@ -23,7 +24,7 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.sentence import limits, listed, sentence, times
+from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.strangers import beside, strangers
 from hst_drive.effects import catalogue
@@ -114,6 +115,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
     ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
+    unseen = outside(rig, (*runs, *holdout))
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
@@ -131,7 +133,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             '' if instead else limits(verdict, limited),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
-            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
+            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
+            beyond(unseen)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
@@ -142,7 +145,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
         logs=tuple(run.source for run in (*runs, *holdout)),
-        held_out=tuple(run.source for run in holdout))
+        held_out=tuple(run.source for run in holdout), outside=unseen)
 
 
 def _unit(effect: str, key: str) -> str:

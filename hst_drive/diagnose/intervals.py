@@ -31,12 +31,13 @@ class Spread(NamedTuple):
     covariance: np.ndarray
 
 
-def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}) -> Spread:
+def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
+           between_points: float = _BETWEEN_POINTS) -> Spread:
     """
     Return how far the unknowns of a fit may be off, shapes that it kept among them.
 
     ``forms`` are the shares of effects by which they may be off their formulas, if more than
-    usual.
+    usual, ``between_points`` is what the tables leave open, of the squared tolerance.
     """
     unknowns = Unknowns(campaign, fitted.model)
     vector = unknowns.pack(fitted.model)
@@ -47,16 +48,16 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}) -> 
     prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
     inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
     residual = campaign.training(fitted.errors)
-    meat = np.diag(np.where(unit, 1.0 + _BETWEEN_POINTS, prior))
-    for rows in _clusters(campaign):
+    meat = np.diag(np.where(unit, 1.0 + between_points, prior))
+    for rows in clusters(campaign):
         push = jacobian[rows].T @ residual[rows]
         meat += np.outer(push, push)
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
         own = np.array([effect == name for effect, _ in unknowns.names]) * vector
         covariance += max(_FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
-    # What moves nothing is not known at all: a deviation of ten times its range.
-    still = ~jacobian.any(axis=0)
+    # An effect's number that moves nothing is not known at all: ten times its range.
+    still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
     return Spread(unknowns, vector, covariance)
 
@@ -81,16 +82,16 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     see ``spread``.
     """
     unknowns, vector, covariance = spread(campaign, fitted, forms)
-    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(covariance))
+    values = unknowns.mix(vector)
+    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
+        unknowns.mix(unknowns.mix(covariance).T)))
     # At a bound to the last digit: who reads it compares them.
-    low = np.where(vector - width > unknowns.low, (vector - width) * unknowns.scale,
-                   unknowns.bounds[:, 0])
-    high = np.where(vector + width < unknowns.high, (vector + width) * unknowns.scale,
-                    unknowns.bounds[:, 1])
+    low, high = np.maximum(values - width, unknowns.bounds[:, 0]), np.minimum(
+        values + width, unknowns.bounds[:, 1])
     return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
 
 
-def _clusters(campaign: Campaign) -> list[np.ndarray]:
+def clusters(campaign: Campaign) -> list[np.ndarray]:
     """Return the rows of the training vector that belong to one block of one log."""
     clusters: dict[tuple[int, int], list[np.ndarray]] = {}
     start = 0

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from hst_drive.diagnose.conditions import Outside
 from hst_drive.effects import Parameter
 from hst_drive.errors import InputError
 
@@ -154,6 +155,8 @@ class Diagnosis:
         The baseline, by its file and by what it says.
     logs, held_out : tuple of str
         All recordings, and those of them that only judged; without any, a third of each did.
+    outside : tuple of Outside
+        Channels beyond what the machine was commissioned for.
 
     """
 
@@ -172,6 +175,7 @@ class Diagnosis:
     rig_digest: str = ''
     logs: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
+    outside: tuple[Outside, ...] = ()
 
 
 def require_schema(content: object, source: str) -> None:

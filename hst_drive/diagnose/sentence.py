@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping, Sequence
 
+from hst_drive.diagnose.conditions import Outside
 from hst_drive.diagnose.judge import CLEAN_FITTED
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
@@ -67,6 +68,13 @@ def _or_the_unit(found: Found, limited: Sequence[str]) -> str:
 def listed(names: Sequence[str]) -> str:
     """Write names with commas and an 'and'."""
     return ' and '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
+
+
+def beyond(unseen: Sequence[Outside]) -> str:
+    """Tell what the machine was not commissioned for; '' if nothing."""
+    return ('These logs go beyond what the machine was commissioned for: '
+            f'{listed([entry.told for entry in unseen])}; what shows only there may be as it always '
+            'was.' if unseen else '')
 
 
 def limits(verdict: str, quantities: Sequence[str]) -> str:
