@@ -12,11 +12,11 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_log_arguments, read_logs, rig_file_of
+from hst_drive.cli.common import (
+    add_day_to_day_argument, add_log_arguments, day_to_day_of, read_logs, rig_file_of)
 from hst_drive.cli.diagnose import progress_line
 from hst_drive.cli.output import (
     add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
-from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.commission import Commissioned
@@ -33,22 +33,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_day_to_day_argument(parser)
     add_force_argument(parser, 'UNIT.yaml')
     add_json_argument(parser)
-
-
-def add_day_to_day_argument(parser: argparse.ArgumentParser) -> None:
-    """Declare --day-to-day."""
-    parser.add_argument(
-        '--day-to-day', metavar='SHARE', type=float, help='by how much the machine differs from '
-        "one day to the next, one sigma, in tolerances of the make (default: from the logs, if "
-        'there are several, else 0.1)')
-
-
-def day_to_day_of(args: argparse.Namespace) -> float | None:
-    """Return the repeatability that was asked for."""
-    if args.day_to_day is not None and not 0.0 <= args.day_to_day <= 10.0:
-        raise InputError(f'--day-to-day {args.day_to_day:g}: expected a share of the tolerance '
-                         'from 0 to 10, 0.1 say')
-    return args.day_to_day
 
 
 def run(args: argparse.Namespace) -> int:

@@ -87,6 +87,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     day_to_day : float, optional
         Repeatability, in tolerances of the make; else from the logs, if there are several, and
         ``DAY_TO_DAY``.
+    progress : callable
+        Called with a text while the work goes on.
 
     Raises
     ------
@@ -103,8 +105,9 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
                              'Mend or adopt that first, or leave the log out')
     campaign = campaign_of(made, runs).of_logs(lambda log: True, all_to_fit=True)
     if not campaign.tolerances:
-        raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these logs "
-                         'show: there is nothing to learn; add how far units of this make differ')
+        raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
+                         'logs show: there is nothing to learn; add how far units of this make '
+                         'differ')
     progress('commissioning the machine')
     fitted = calibrated(campaign)
     known = spread(campaign, fitted, between_points=0.0)
@@ -174,4 +177,3 @@ def _positive(correlation: np.ndarray) -> np.ndarray:
     room = 1e-3     # ten times what four digits round off
     return correlation if least >= room else np.round(
         (correlation + (room - least) * np.eye(len(correlation))) / (1.0 + room - least), 6)
-

@@ -64,8 +64,8 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
             or grade not in GRADES or 'leakage_temperature' in rig.effects):
         return 0.0
     known = rig.fingerprint.conditions['oil_temperature']
-    return float(max(abs(np.log(viscosity(value, grade) / viscosity(np.clip(value, *known), grade)))
-                     for value in reach))
+    return float(max(abs(np.log(viscosity(value, grade)
+                                / viscosity(np.clip(value, *known), grade))) for value in reach))
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:

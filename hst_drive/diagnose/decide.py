@@ -33,6 +33,7 @@ from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
 from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
+from hst_drive.rig.fingerprint import SECTION
 
 _SHORT = 10.0           # s that a recording should have at least
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
@@ -126,7 +127,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([] if odd is None else [
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited).strip(),
+            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited,
+                     rig.fingerprint is not None).strip(),
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
@@ -145,7 +147,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
         logs=tuple(run.source for run in (*runs, *holdout)),
-        held_out=tuple(run.source for run in holdout), outside=unseen)
+        held_out=tuple(run.source for run in holdout), outside=unseen,
+        since=tuple((rig.provenance.get(SECTION) or {}).get('logs', ())))
 
 
 def _unit(effect: str, key: str) -> str:

@@ -15,6 +15,7 @@ def as_json(result: Diagnosis) -> dict:
         'sentence': result.sentence, 'rig': result.rig,
         'rig_digest': result.rig_digest, 'logs': result.logs,
         'held_out': result.held_out,
+        'since': result.since,
         'outside_commissioned': [entry._asdict() for entry in result.outside],
         'effects': [{'id': entry.id,
                      'parameters': {key: value._asdict()

@@ -157,6 +157,8 @@ class Diagnosis:
         All recordings, and those of them that only judged; without any, a third of each did.
     outside : tuple of Outside
         Channels beyond what the machine was commissioned for.
+    since : tuple of str
+        The recordings that it was commissioned on, if it was.
 
     """
 
@@ -176,6 +178,7 @@ class Diagnosis:
     logs: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
     outside: tuple[Outside, ...] = ()
+    since: tuple[str, ...] = ()
 
 
 def require_schema(content: object, source: str) -> None:

@@ -14,12 +14,13 @@ from hst_drive.measure.run import CHANNELS
 
 def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
              remaining: Unknown | None, hidden: Sequence[str] = (),
-             limited: Sequence[str] = ()) -> str:
+             limited: Sequence[str] = (), commissioned: bool = False) -> str:
     """
     Return what is missing and how far the error falls with it, in words.
 
     ``hidden`` are the effects that the logs could not have shown, ``limited`` the quantities that
-    sit at the limits of their tolerances in the unit without effects.
+    sit at the limits of their tolerances in the unit without effects; ``commissioned`` says that
+    the model is that of this machine as it was then.
     """
     first, last = ladder[1].holdout, ladder[-1].holdout
     signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
@@ -34,11 +35,12 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
              f'{times(last[signal])} times the noise.')
     if verdict == 'none':
-        return _nothing(first, signal, hidden)
+        return _nothing(first, signal, hidden, commissioned)
     if any(UNIT_ALONE in entry.indistinguishable_from for entry in effects):
         return _or_the_unit(effects[0], limited)
     if verdict in ('missing_effect', 'ambiguous'):
-        return f'The model lacks {lacks}. {falls}{_stays(last)}'
+        return (f'Since it was commissioned the machine has got {lacks}.' if commissioned
+                else f'The model lacks {lacks}.') + f' {falls}{_stays(last)}'
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
@@ -47,12 +49,15 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
 
 
-def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str]) -> str:
+def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
+             commissioned: bool) -> str:
     """Say of what nothing is missing: of what these logs could have shown."""
     untold = f'; they could not have shown {listed(hidden)}' if hidden else ''
-    return ('Nothing larger than the sizes below is missing in the balances of '
+    missing, known = ('has changed since the machine was commissioned', 'what is known of it') \
+        if commissioned else ('is missing', 'the tolerances')
+    return (f'Nothing larger than the sizes below {missing} in the balances of '
             f'{listed([CHANNELS[name].title for name in ratios])} that these logs close{untold}: '
-            'the model, calibrated within the tolerances, explains them down to the noise (worst '
+            f'the model, calibrated within {known}, explains them down to the noise (worst '
             f'held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
 
 
@@ -73,8 +78,8 @@ def listed(names: Sequence[str]) -> str:
 def beyond(unseen: Sequence[Outside]) -> str:
     """Tell what the machine was not commissioned for; '' if nothing."""
     return ('These logs go beyond what the machine was commissioned for: '
-            f'{listed([entry.told for entry in unseen])}; what shows only there may be as it always '
-            'was.' if unseen else '')
+            f'{listed([entry.told for entry in unseen])}; what shows only there may be as it '
+            'always was.' if unseen else '')
 
 
 def limits(verdict: str, quantities: Sequence[str]) -> str:

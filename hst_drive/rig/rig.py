@@ -231,7 +231,7 @@ class Rig:
 
     @property
     def scatter(self) -> dict[str, float]:
-        """By how much each quantity may be off: of the machine where it is known, else the make."""
+        """By how much each quantity may be off: of this machine where that is known."""
         return {**self.tolerances, **(self.fingerprint.sigmas if self.fingerprint else {})}
 
     @property

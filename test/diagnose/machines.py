@@ -28,7 +28,8 @@ def columns(pressure, speed):
 
 
 def day(seed, leak=0.0, *, factors=UNIT, celsius=40.0, still=False, rows=240):
-    """Return a day's log; ``leak`` is what the pump leaks beyond its table, L/min at 100 bar.
+    """
+    Return a day's log; ``leak`` is what the pump leaks beyond its table, L/min at 100 bar.
 
     ``still``: at one speed and pressure.
     """

@@ -34,7 +34,7 @@ def test_numbers_arrive_in_si_and_stand_in_the_place_of_tolerances():
 
 @pytest.mark.parametrize('path, value, said', [
     ('sigma_relative', [1], 'expected a mapping'),
-    ('sigma_relative', {'motor.leak': 0.1}, "unknown key 'commissioned.sigma_relative.motor.leak'"),
+    ('sigma_relative', {'motor.leak': 1}, "unknown key 'commissioned.sigma_relative.motor.leak'"),
     ('sigma_relative', {'motor.leakage': 0}, "sigma_relative.motor.leakage' is 0"),
     ('correlation', [[1.0]], 'no table of 2 rows'),
     ('correlation', [[1.0, 2.0], [2.0, 1.0]], "correlation[0][1]' is 2.0"),
