@@ -3,8 +3,9 @@
 """
 The verb ``adopt``: what a diagnosis found becomes part of the rig.
 
-Writes the rig with the found effects, their values and the calibration of the unit; 'compare
---rig' with it shows how far the error falls, and the plant node runs with it.
+Writes the rig with the found effects, their values and the calibration of the unit; an effect
+that was adopted before gets its new size, or goes if it is gone. 'compare --rig' with it shows
+how far the error falls, and the plant node runs with it.
 """
 from __future__ import annotations
 
@@ -52,6 +53,8 @@ def run(args: argparse.Namespace) -> int:
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():
         tell(f'{args.output}: {name}: {_sizes(name, values)}')
+    for name in sorted({*(rig.get('effects') or {})} - {*adopted['effects']}):
+        tell(f'{args.output}: {name}: taken out, it is gone')
     if args.calibration:
         tell(f"{args.output}: the unit's calibration "
              f"(number of quantities: {len(adopted['calibration'])})")

@@ -113,7 +113,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     effects = tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
-        removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
+        removed, rivals[name], dict(rig.effects.get(name, {})))
+        for name, removed in zip(order, _removed(search, ladder)))
     ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     unseen = outside(rig, (*runs, *holdout))
@@ -222,10 +223,11 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
 
 
 def _size(campaign: Campaign, single: Candidate) -> float:
-    """Return the size of a single effect over its typical one."""
+    """Return the size of a single effect, or its change, over its typical one."""
     name, = single.names
     size = campaign.parameter(name, catalogue()[name].parameters[0].name)
-    return abs(single.fit.model.effects[name][size.name] / size.typical)
+    change = single.fit.model.effects[name][size.name] - campaign.off(name)[size.name]
+    return abs(change / size.typical)
 
 
 def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import differences, Fit
 from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
@@ -24,11 +24,16 @@ _FORM = 0.04    # relative standard deviation: no machine follows one formula ex
 
 
 class Spread(NamedTuple):
-    """What is known of a fit's unknowns: their vector and its covariance, each in its scale."""
+    """
+    What is known of a fit's unknowns: their vector and its covariance, each in its scale.
+
+    ``before`` is the vector without the effects: adopted sizes, else 0.
+    """
 
     unknowns: Unknowns
     vector: np.ndarray
     covariance: np.ndarray
+    before: np.ndarray
 
 
 def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
@@ -41,6 +46,10 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     """
     unknowns = Unknowns(campaign, fitted.model)
     vector = unknowns.pack(fitted.model)
+    # An effect that the rig has adopted has its form from there: what changed may be off another.
+    before = unknowns.pack(Model({
+        name: campaign.off(name) if name in campaign.adopted else dict.fromkeys(values, 0.0)
+        for name, values in fitted.model.effects.items()}))
     jacobian = _whole(campaign, fitted, unknowns, vector)
     unit = np.arange(len(vector)) < unknowns.factors
     above, below = unknowns.high - vector, unknowns.low - vector
@@ -54,12 +63,12 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
         meat += np.outer(push, push)
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
-        own = np.array([effect == name for effect, _ in unknowns.names]) * vector
+        own = np.array([effect == name for effect, _ in unknowns.names]) * (vector - before)
         covariance += max(_FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
     # An effect's number that moves nothing is not known at all: ten times its range.
     still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
-    return Spread(unknowns, vector, covariance)
+    return Spread(unknowns, vector, covariance, before)
 
 
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
@@ -81,7 +90,7 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
     see ``spread``.
     """
-    unknowns, vector, covariance = spread(campaign, fitted, forms)
+    unknowns, vector, covariance, _ = spread(campaign, fitted, forms)
     values = unknowns.mix(vector)
     width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
         unknowns.mix(unknowns.mix(covariance).T)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from hst_drive.diagnose.conditions import Outside
-from hst_drive.effects import Parameter
+from hst_drive.effects import catalogue, Parameter
 from hst_drive.errors import InputError
 
 SCHEMA = 'hst_drive/diagnosis/1'
@@ -39,13 +39,27 @@ class Found(NamedTuple):
 
     ``error_removed`` is the share of the held-out squared error above the noise that this step
     removed; ``indistinguishable_from`` are effects that explain these logs as well, and
-    ``UNIT_ALONE`` if the unit does.
+    ``UNIT_ALONE`` if the unit does. ``adopted`` are its parameters, SI, as the rig has them: then
+    it has changed since.
     """
 
     id: str
     parameters: dict[str, Value]
     error_removed: float
     indistinguishable_from: tuple[str, ...]
+    adopted: dict[str, float] = {}
+
+    @property
+    def change(self) -> str:
+        """What an adopted effect did: 'grown', 'shrunk' or 'gone'; '' for a new one."""
+        if not self.adopted:
+            return ''
+        size, now = next(iter(self.parameters.items()))
+        neutral = catalogue(everything=True)[self.id].parameter(size).neutral
+        if now.low <= neutral <= now.high:
+            return 'gone'
+        grown = abs(now.value - neutral) > abs(self.adopted[size] - neutral)
+        return 'grown' if grown else 'shrunk'
 
 
 class Ranked(NamedTuple):

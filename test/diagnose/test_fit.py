@@ -23,6 +23,7 @@ class Linear:
 
     tolerances = TOLERANCES
     ties = {}
+    adopted = {}
     block = BLOCK
 
     def __init__(self, matrix, values):
