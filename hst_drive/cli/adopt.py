@@ -3,15 +3,16 @@
 """
 The verb ``adopt``: what a diagnosis found becomes part of the rig.
 
-Writes the rig with the found effects, their values and the calibration of the unit; 'compare
---rig' with it shows how far the error falls, and the plant node runs with it.
+Writes the rig with the found effects, their values and the calibration of the unit; an effect
+that was adopted before gets its new size, or goes if it is gone. 'compare --rig' with it shows
+how far the error falls, and the plant node runs with it.
 """
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from hst_drive.cli.common import add_rig_argument, read_json
+from hst_drive.cli.common import add_rig_argument, read_json, rig_file_of
 from hst_drive.cli.output import add_force_argument, refuse_to_replace, say, size, write_yaml
 from hst_drive.errors import InputError
 
@@ -37,10 +38,10 @@ def run(args: argparse.Namespace) -> int:
     """Adopt and say what was added."""
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.result import UNIT_ALONE
-    from hst_drive.rig import default_rig_file, parse_rig
+    from hst_drive.rig import parse_rig
     from hst_drive.rig.yaml_file import read_yaml
 
-    rig_file = args.rig or str(default_rig_file())
+    rig_file = rig_file_of(args)
     _refuse_inputs(args, rig_file)
     refuse_to_replace(args.output, args.force)
     diagnosis = read_json(args.diagnosis)
@@ -52,6 +53,8 @@ def run(args: argparse.Namespace) -> int:
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():
         tell(f'{args.output}: {name}: {_sizes(name, values)}')
+    for name in sorted({*(rig.get('effects') or {})} - {*adopted['effects']}):
+        tell(f'{args.output}: {name}: taken out, it is gone')
     if args.calibration:
         tell(f"{args.output}: the unit's calibration "
              f"(number of quantities: {len(adopted['calibration'])})")

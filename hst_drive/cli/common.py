@@ -31,10 +31,33 @@ def add_holdout_argument(parser: argparse.ArgumentParser) -> None:
                         help='judge on this log (repeatable; default: a third of each LOG)')
 
 
+def add_day_to_day_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare --day-to-day."""
+    parser.add_argument(
+        '--day-to-day', metavar='SHARE', type=float, help='by how much the machine differs from '
+        'one day to the next, one sigma, in tolerances of the make (default: from the logs, if '
+        'there are several, else 0.1)')
+
+
+def day_to_day_of(args: argparse.Namespace) -> float | None:
+    """Return the repeatability that was asked for."""
+    if args.day_to_day is not None and not 0.0 <= args.day_to_day <= 10.0:
+        raise InputError(f'--day-to-day {args.day_to_day:g}: expected a share of the tolerance '
+                         'from 0 to 10, 0.1 say')
+    return args.day_to_day
+
+
 def add_rig_argument(parser: argparse.ArgumentParser) -> None:
     """Declare --rig."""
     parser.add_argument('--rig', metavar='RIG.yaml',
                         help='the rig the model stands for (default: the shipped test rig)')
+
+
+def rig_file_of(args: argparse.Namespace) -> str:
+    """Return the file of the rig that was asked for."""
+    from hst_drive.rig import default_rig_file
+
+    return args.rig or str(default_rig_file())
 
 
 def rig_of(args: argparse.Namespace) -> Rig:

@@ -5,6 +5,8 @@ The verb ``diagnose``: which physical effect the model lacks.
 
 The logs are one campaign of one drive. The unit is calibrated within its tolerances, every
 effect of the catalogue is fitted, and all are judged on data that was not used for fitting.
+With --since it says what has changed since older logs of the same machine: by how much, and what
+the older ones never visited.
 """
 from __future__ import annotations
 
@@ -12,7 +14,9 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_logs, rig_of
+from hst_drive.cli.common import (
+    add_day_to_day_argument, add_holdout_argument, add_log_arguments, day_to_day_of, read_logs,
+    rig_file_of, rig_of)
 from hst_drive.cli.output import add_json_argument, MISSING, say, size, table, write_json
 
 if TYPE_CHECKING:
@@ -25,6 +29,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_arguments(parser)
     add_holdout_argument(parser)
+    parser.add_argument('--since', metavar='OLD', nargs='+', default=[],
+                        help='say what has changed since these logs of the same machine, which '
+                             'must be healthy (as commission and --rig UNIT.yaml, in one step)')
+    add_day_to_day_argument(parser)
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw how the error falls with each effect (.png, .pdf or .svg)')
     add_json_argument(parser)
@@ -32,8 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Diagnose and print."""
+    from hst_drive.diagnose.commission import commission
     from hst_drive.diagnose.decide import diagnose
     from hst_drive.diagnose.document import as_json
+    from hst_drive.rig import parse_rig
+    from hst_drive.rig.yaml_file import read_yaml
 
     if args.plot:
         from hst_drive.cli.compare import check_plot
@@ -41,13 +52,19 @@ def run(args: argparse.Namespace) -> int:
 
         check_plot(args.plot)
         require_matplotlib()
+    day_to_day = day_to_day_of(args)
     rig = rig_of(args)
-    runs = read_logs([*args.logs, *args.holdout], args.channels)
+    runs = read_logs([*args.logs, *args.holdout, *args.since], args.channels)
     for entry in runs:
         for note in entry.notes:
             say(f'{entry.name}: {note}')
-    training, held = runs[:len(args.logs)], runs[len(args.logs):]
-    result = diagnose(rig, training, held, progress=progress_line())
+    count = len(args.logs) + len(args.holdout)
+    if args.since:
+        source = rig_file_of(args)
+        rig = parse_rig(commission(read_yaml(source), source, runs[count:], day_to_day,
+                                   progress=progress_line()).rig, source)
+    result = diagnose(rig, runs[:len(args.logs)], runs[len(args.logs):count],
+                      progress=progress_line())
     if args.json:
         write_json(as_json(result), args.json)
     if args.plot:
@@ -94,7 +111,8 @@ def text(result: Diagnosis, short: bool = False) -> str:
                   f'{result.next_test.what}']
     moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
     if moved:
-        lines += ['', 'this unit against its datasheet (what moved by half a tolerance or more):',
+        against = 'what it was when commissioned' if result.since else 'its datasheet'
+        lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
                   _calibration(moved)]
     if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
         lines += ['', 'the smallest size of each other effect that these logs would have shown:',

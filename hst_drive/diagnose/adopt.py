@@ -18,6 +18,9 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
     """
     Return the mapping of a rig file with the effects that a diagnosis found.
 
+    One that the rig has adopted before gets its new size, or goes if it is gone; its history
+    stays under 'provenance'.
+
     Parameters
     ----------
     rig : dict
@@ -59,28 +62,36 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
                              'datasheet' if none else ''))
     names = [str(entry.get('id')) for entry in effects]
     already = [name for name in names if name in (rig.get('effects') or {})]
-    if already:
-        raise InputError(f"{rig_source}: effect '{already[0]}' is adopted already; diagnose again "
-                         'with --rig and this file to see what else is missing')
     expected = diagnosis.get('rig_digest')
     if expected != digest(rig):
+        if already:
+            raise InputError(f"{rig_source}: effect '{already[0]}' is adopted already; diagnose "
+                             'again with --rig and this file to see what else is missing, or has '
+                             'changed')
         if diagnosis.get('rig') == rig_source:
             raise InputError(f'{rig_source}: has changed since it was diagnosed; diagnose again')
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '
                          f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
                          'with this one')
     adopted = deepcopy(rig)
-    adopted['effects'] = {**(rig.get('effects') or {}),
-                          **{name: _values(entry, source) for name, entry in zip(names, effects)}}
+    found = {name: _values(entry, source) for name, entry in zip(names, effects)}
+    gone = {name for name, entry in zip(names, effects) if entry.get('change') == 'gone'}
+    adopted['effects'] = {name: values for name, values
+                          in {**(rig.get('effects') or {}), **found}.items() if name not in gone}
     factors = dict(rig.get('calibration') or {})
-    found = _factors(diagnosis, source)
+    moved = _factors(diagnosis, source)
     if formula:
-        found = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
-    for key, factor in found.items():
+        moved = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
+    for key, factor in moved.items():
         factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
     adopted['calibration'] = factors
     past = list((rig.get('provenance') or {}).get('adopted', []))
-    adopted['provenance'] = {'adopted': [*past, _provenance(diagnosis, source, names, effects)]}
+    adopted['provenance'] = {**(rig.get('provenance') or {}), 'adopted': [
+        *past, {**_provenance(diagnosis, source, names, effects), **(
+            {'changed': {name: {'from': rig['effects'][name], 'to': found[name],
+                                'change': entry.get('change')}
+                         for name, entry in zip(names, effects) if name in already}}
+            if already else {})}]}
     return adopted
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.hopes import hopes
 from hst_drive.diagnose.judge import contribution
@@ -63,26 +64,32 @@ def uncertainty(names: Sequence[str], others: Sequence[str]) -> float:
 
 def plainer(search: Search, best: Candidate) -> Candidate:
     """
-    Return the best with a plainer effect in the place of one that looks alike.
+    Return the best with what is the plainer explanation in the place of one that looks alike.
 
-    Only where it leaves as much as the other, held out and fitted.
+    That is one that these logs need not turn both ways to show, an effect of fewer parameters, or
+    a known one that has changed: of a machine that is known to have a fault it is likelier that
+    this grows than that another one comes up. Only where it leaves as little as the other, held
+    out and fitted.
     """
-    def plain(name: str) -> tuple[bool, int]:
-        effect = catalogue()[name]
-        return effect.both_ways, len(effect.parameters)
-
     for name in best.names:
         kept = best.fit.model.without(name)
         others = tuple(entry for entry in best.names if entry != name)
         rivals = [search.refine(rival) for rival in search.try_all(
-            [((*others, entry), kept) for entry in catalogue()[name].alike
-             if entry in search.candidates and entry not in best.names
-             and plain(entry) < plain(name)],
+            [((*others, entry), kept) for entry in search.candidates
+             if entry not in best.names and _comes_first(search.campaign, entry, name)],
             'trying rivals', again=True)]
         as_good = [rival for rival in rivals if _leaves_as_little(search, best, rival)]
         if as_good:
             return min(as_good, key=lambda rival: rival.score)
     return best
+
+
+def _comes_first(campaign: Campaign, entry: str, name: str) -> bool:
+    first, second = catalogue()[entry], catalogue()[name]
+    if name in campaign.adopted or entry in campaign.adopted:
+        return name not in campaign.adopted
+    return entry in second.alike and (first.both_ways, len(first.parameters)) < (
+        second.both_ways, len(second.parameters))
 
 
 def _leaves_as_little(search: Search, best: Candidate, rival: Candidate) -> bool:

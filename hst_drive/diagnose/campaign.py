@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.diagnose.columns import Column, columns
+from hst_drive.diagnose.conditions import prior
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
@@ -72,7 +73,8 @@ class Campaign:
     Parameters
     ----------
     rig : Rig
-        Baseline, effects that it has adopted included.
+        Baseline, effects that it has adopted included. Its unit's factors are as independent as
+        the make's tolerances are, or tied by what commissioning told (``ties``).
     runs, holdout : sequence of Run
         Without ``holdout`` a third of each log's time is held out.
 
@@ -85,8 +87,9 @@ class Campaign:
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         self.rig = rig
+        self.adopted = rig.effects
         self.drive = self._model()
-        self.tolerances = {key: value for key, value in rig.tolerances.items() if value > 0}
+        self.tolerances, self.ties = prior(rig, (*runs, *holdout))
         self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive
@@ -121,7 +124,7 @@ class Campaign:
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
         return [name for name, effect in catalogue().items()
-                if name not in self.rig.effects and effect.searched in self.searched]
+                if name in self.adopted or effect.searched in self.searched]
 
     def doubles(self, name: str) -> list[str]:
         """Return effects at the same place that are not searched: others can take their form."""
@@ -143,12 +146,28 @@ class Campaign:
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
-        return {entry.name: self.parameter(name, entry.name).typical
-                for entry in catalogue(everything=True)[name].parameters}
+        entries = [self.parameter(name, entry.name)
+                   for entry in catalogue(everything=True)[name].parameters]
+        if name not in self.adopted:
+            return {entry.name: entry.typical for entry in entries}
+        now, size = self.off(name), entries[0]
+        more = now[size.name] + size.typical - size.neutral
+        return {**now, size.name: more if size.low <= more <= size.high
+                else now[size.name] - (size.typical - size.neutral) / 2}
+
+    def off(self, name: str) -> dict[str, float]:
+        """Return an effect's parameters as the model has them without it: adopted, or neutral."""
+        return {**catalogue(everything=True)[name].neutral, **self.adopted.get(name, {})}
 
     def fits(self, name: str, key: str) -> bool:
-        """Say whether a parameter of an effect is fitted rather than chosen."""
+        """
+        Say whether a parameter of an effect is fitted rather than chosen.
+
+        Of an adopted effect its size is: it grows or shrinks, its form is known.
+        """
         parameter = catalogue(everything=True)[name].parameter(key)
+        if name in self.adopted and key != catalogue(everything=True)[name].parameters[0].name:
+            return False
         return not parameter.fixed and (parameter.whole_drive
                                         or parameter.recorded_in(self.signals))
 

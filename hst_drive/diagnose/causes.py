@@ -145,6 +145,8 @@ def _mistaken(search: Search) -> Iterator[_Cause]:
         campaign.tolerances = {**campaign.tolerances, key: _WIDER * tolerance}
         known, start = search.factors.copy(), Model()
         known[:, place] *= _WIDER
+        if campaign.ties:
+            known = None    # what is tied to it changes, too
         if at_limit(search.campaign, key, search.base.model.factors[key]):
             # It wants to go on from there, and what it does changes on the way.
             known, start = None, search.base.model

@@ -10,6 +10,7 @@ from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
+from hst_drive.diagnose.conditions import outside
 from hst_drive.diagnose.design import in_short
 from hst_drive.diagnose.fit import at_limit, Fit, fit
 from hst_drive.diagnose.intervals import intervals
@@ -23,7 +24,7 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.sentence import limits, listed, sentence, times
+from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.strangers import beside, strangers
 from hst_drive.effects import catalogue
@@ -32,6 +33,7 @@ from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
 from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
+from hst_drive.rig.fingerprint import SECTION
 
 _SHORT = 10.0           # s that a recording should have at least
 _WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
@@ -111,9 +113,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     effects = tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in best.fit.model.effects[name].items()},
-        removed, rivals[name]) for name, removed in zip(order, _removed(search, ladder)))
+        removed, rivals[name], dict(rig.effects.get(name, {})))
+        for name, removed in zip(order, _removed(search, ladder)))
     ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
+    unseen = outside(rig, (*runs, *holdout))
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
@@ -124,14 +128,16 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([] if odd is None else [
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited).strip(),
+            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited,
+                     rig.fingerprint is not None).strip(),
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
             '' if instead else limits(verdict, limited),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
-            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else [])])),
+            *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
+            beyond(unseen)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
@@ -142,7 +148,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
         logs=tuple(run.source for run in (*runs, *holdout)),
-        held_out=tuple(run.source for run in holdout))
+        held_out=tuple(run.source for run in holdout), outside=unseen,
+        since=tuple((rig.provenance.get(SECTION) or {}).get('logs', ())))
 
 
 def _unit(effect: str, key: str) -> str:
@@ -216,10 +223,11 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
 
 
 def _size(campaign: Campaign, single: Candidate) -> float:
-    """Return the size of a single effect over its typical one."""
+    """Return the size of a single effect, or its change, over its typical one."""
     name, = single.names
     size = campaign.parameter(name, catalogue()[name].parameters[0].name)
-    return abs(single.fit.model.effects[name][size.name] / size.typical)
+    change = single.fit.model.effects[name][size.name] - campaign.off(name)[size.name]
+    return abs(change / size.typical)
 
 
 def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:

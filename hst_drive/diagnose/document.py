@@ -15,11 +15,14 @@ def as_json(result: Diagnosis) -> dict:
         'sentence': result.sentence, 'rig': result.rig,
         'rig_digest': result.rig_digest, 'logs': result.logs,
         'held_out': result.held_out,
+        'since': result.since,
+        'outside_commissioned': [entry._asdict() for entry in result.outside],
         'effects': [{'id': entry.id,
                      'parameters': {key: value._asdict()
                                     for key, value in entry.parameters.items()},
                      'error_removed': entry.error_removed,
-                     'indistinguishable_from': entry.indistinguishable_from}
+                     'indistinguishable_from': entry.indistinguishable_from,
+                     'adopted': entry.adopted, 'change': entry.change}
                     for entry in result.effects],
         'ranking': [entry._asdict() for entry in result.ranking],
         'errors': {'before': result.ladder[0].training, 'after': result.ladder[-1].training},

@@ -51,7 +51,8 @@ def hopes(search: Search, candidate: Candidate) -> Iterator[tuple[float, str]]:
     for name in search.candidates:
         if name in candidate.names:
             continue
-        lowest = -np.inf if catalogue(everything=True)[name].parameters[0].low < 0 else 0.0
+        size = catalogue(everything=True)[name].parameters[0]
+        lowest = -np.inf if size.low < campaign.off(name)[size.name] else 0.0
         typical = own.model.with_effect(name, campaign.typical(name))
         moves = (campaign.training(search.single(name).fit.errors) - start,
                  campaign.training(campaign.errors(typical, to_fit=True)) - without)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import differences, Fit
 from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
@@ -24,22 +24,32 @@ _FORM = 0.04    # relative standard deviation: no machine follows one formula ex
 
 
 class Spread(NamedTuple):
-    """What is known of a fit's unknowns: their vector and its covariance, each in its scale."""
+    """
+    What is known of a fit's unknowns: their vector and its covariance, each in its scale.
+
+    ``before`` is the vector without the effects: adopted sizes, else 0.
+    """
 
     unknowns: Unknowns
     vector: np.ndarray
     covariance: np.ndarray
+    before: np.ndarray
 
 
-def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}) -> Spread:
+def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
+           between_points: float = _BETWEEN_POINTS) -> Spread:
     """
     Return how far the unknowns of a fit may be off, shapes that it kept among them.
 
     ``forms`` are the shares of effects by which they may be off their formulas, if more than
-    usual.
+    usual, ``between_points`` is what the tables leave open, of the squared tolerance.
     """
     unknowns = Unknowns(campaign, fitted.model)
     vector = unknowns.pack(fitted.model)
+    # An effect that the rig has adopted has its form from there: what changed may be off another.
+    before = unknowns.pack(Model({
+        name: campaign.off(name) if name in campaign.adopted else dict.fromkeys(values, 0.0)
+        for name, values in fitted.model.effects.items()}))
     jacobian = _whole(campaign, fitted, unknowns, vector)
     unit = np.arange(len(vector)) < unknowns.factors
     above, below = unknowns.high - vector, unknowns.low - vector
@@ -47,18 +57,18 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}) -> 
     prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
     inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
     residual = campaign.training(fitted.errors)
-    meat = np.diag(np.where(unit, 1.0 + _BETWEEN_POINTS, prior))
-    for rows in _clusters(campaign):
+    meat = np.diag(np.where(unit, 1.0 + between_points, prior))
+    for rows in clusters(campaign):
         push = jacobian[rows].T @ residual[rows]
         meat += np.outer(push, push)
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
-        own = np.array([effect == name for effect, _ in unknowns.names]) * vector
+        own = np.array([effect == name for effect, _ in unknowns.names]) * (vector - before)
         covariance += max(_FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
-    # What moves nothing is not known at all: a deviation of ten times its range.
-    still = ~jacobian.any(axis=0)
+    # An effect's number that moves nothing is not known at all: ten times its range.
+    still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
-    return Spread(unknowns, vector, covariance)
+    return Spread(unknowns, vector, covariance, before)
 
 
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
@@ -80,17 +90,17 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
     see ``spread``.
     """
-    unknowns, vector, covariance = spread(campaign, fitted, forms)
-    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(covariance))
+    unknowns, vector, covariance, _ = spread(campaign, fitted, forms)
+    values = unknowns.mix(vector)
+    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
+        unknowns.mix(unknowns.mix(covariance).T)))
     # At a bound to the last digit: who reads it compares them.
-    low = np.where(vector - width > unknowns.low, (vector - width) * unknowns.scale,
-                   unknowns.bounds[:, 0])
-    high = np.where(vector + width < unknowns.high, (vector + width) * unknowns.scale,
-                    unknowns.bounds[:, 1])
+    low, high = np.maximum(values - width, unknowns.bounds[:, 0]), np.minimum(
+        values + width, unknowns.bounds[:, 1])
     return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
 
 
-def _clusters(campaign: Campaign) -> list[np.ndarray]:
+def clusters(campaign: Campaign) -> list[np.ndarray]:
     """Return the rows of the training vector that belong to one block of one log."""
     clusters: dict[tuple[int, int], list[np.ndarray]] = {}
     start = 0

@@ -14,7 +14,7 @@ from typing import NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import PRACTICAL, SIGNIFICANT
-from hst_drive.diagnose.unknowns import SIGMAS
+from hst_drive.diagnose.unknowns import SIGMAS, Unknowns
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 import numpy as np
@@ -63,8 +63,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     start = campaign.training(base.errors)
     factors = base.jacobian[:, :len(campaign.tolerances)]
     normal = factors.T @ factors + np.eye(factors.shape[1])
-    held = np.array([base.model.factors[key] / value
-                     for key, value in campaign.tolerances.items()])
+    unknowns = Unknowns(campaign, base.model)
+    held = unknowns.pack(base.model)[:unknowns.factors]
     room = (-SIGMAS - held - 1e-6, SIGMAS - held + 1e-6)
     grams = [(rows, factors[rows].T @ factors[rows], need)
              for rows, need in _places(campaign)]

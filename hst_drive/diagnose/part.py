@@ -116,6 +116,8 @@ class PartCampaign(Campaign):
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters to start from; one that moves nothing here stays neutral."""
         values = super().typical(name)
+        if name in self.adopted:
+            return values
         off = catalogue()[name].neutral
         for key in list(values)[1:]:
             without = {**values, key: off[key] if off[key] != values[key]

@@ -6,7 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from hst_drive.effects import Parameter
+from hst_drive.diagnose.conditions import Outside
+from hst_drive.effects import catalogue, Parameter
 from hst_drive.errors import InputError
 
 SCHEMA = 'hst_drive/diagnosis/1'
@@ -38,13 +39,27 @@ class Found(NamedTuple):
 
     ``error_removed`` is the share of the held-out squared error above the noise that this step
     removed; ``indistinguishable_from`` are effects that explain these logs as well, and
-    ``UNIT_ALONE`` if the unit does.
+    ``UNIT_ALONE`` if the unit does. ``adopted`` are its parameters, SI, as the rig has them: then
+    it has changed since.
     """
 
     id: str
     parameters: dict[str, Value]
     error_removed: float
     indistinguishable_from: tuple[str, ...]
+    adopted: dict[str, float] = {}
+
+    @property
+    def change(self) -> str:
+        """What an adopted effect did: 'grown', 'shrunk' or 'gone'; '' for a new one."""
+        if not self.adopted:
+            return ''
+        size, now = next(iter(self.parameters.items()))
+        neutral = catalogue(everything=True)[self.id].parameter(size).neutral
+        if now.low <= neutral <= now.high:
+            return 'gone'
+        grown = abs(now.value - neutral) > abs(self.adopted[size] - neutral)
+        return 'grown' if grown else 'shrunk'
 
 
 class Ranked(NamedTuple):
@@ -154,6 +169,10 @@ class Diagnosis:
         The baseline, by its file and by what it says.
     logs, held_out : tuple of str
         All recordings, and those of them that only judged; without any, a third of each did.
+    outside : tuple of Outside
+        Channels beyond what the machine was commissioned for.
+    since : tuple of str
+        The recordings that it was commissioned on, if it was.
 
     """
 
@@ -172,6 +191,8 @@ class Diagnosis:
     rig_digest: str = ''
     logs: tuple[str, ...] = ()
     held_out: tuple[str, ...] = ()
+    outside: tuple[Outside, ...] = ()
+    since: tuple[str, ...] = ()
 
 
 def require_schema(content: object, source: str) -> None:

@@ -144,7 +144,7 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
     """
     lead = next((model for model in rivals.models if model is not None), None) or Model(
         {name: catalogue()[name].typical for name in rivals.names[0]})
-    lead = Model(lead.effects, within_limits(lead.factors, rig.tolerances))
+    lead = Model(lead.effects, within_limits(lead.factors, rig.scatter))
     place, models = None, []
     for names, model in zip(rivals.names, rivals.models):
         if model is None and tuple(names) == tuple(lead.effects):

@@ -65,6 +65,7 @@ class Search:
         self.candidates = tuple(candidates)
         self.progress = progress
         self.base = calibrated(campaign)
+        self.bare = _without_adopted(campaign, self.base)
         self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
@@ -142,7 +143,7 @@ class Search:
     def _on_fitted(self, before: Candidate, after: Candidate, held_out: Gain, fitted: Gain,
                    form: float = FORM_SHARE) -> bool:
         return unharmed(held_out) and worthwhile_in_part(fitted, contribution(
-            self.campaign, self.base, before.fit, False, after.fit), form)
+            self.campaign, self.bare, before.fit, False, after.fit), form)
 
     def agreed(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -184,13 +185,13 @@ class Search:
         return {name: float(np.mean(values)) for name, values in shares.items()}
 
     def done(self, candidate: Candidate, after: Candidate | None = None) -> dict[str, float]:
-        """Return what the candidate's effects do to each signal, rms in floors."""
-        return contribution(self.campaign, self.base, candidate.fit,
+        """Return what the effects, those that the rig has adopted too, do to each signal."""
+        return contribution(self.campaign, self.bare, candidate.fit,
                             added=after.fit if after else None)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
-        fitted = contribution(self.campaign, self.base, candidate.fit, False)
+        fitted = contribution(self.campaign, self.bare, candidate.fit, False)
         return {**unexplained(self.campaign, candidate.fit, fitted, False),
                 **unexplained(self.campaign, candidate.fit, self.done(candidate))}
 
@@ -290,3 +291,12 @@ class Search:
                 return best
             best = without
         return best
+
+
+def _without_adopted(campaign: Campaign, base: Fit) -> Fit:
+    """Return the unit's fit with the errors that it has without what the rig has adopted."""
+    if not campaign.adopted:
+        return base
+    return base._replace(errors=campaign.errors(Model(
+        {name: catalogue(everything=True)[name].neutral for name in campaign.adopted},
+        base.model.factors)))

@@ -5,20 +5,23 @@ from __future__ import annotations
 
 from typing import Mapping, Sequence
 
+from hst_drive.diagnose.conditions import Outside
 from hst_drive.diagnose.judge import CLEAN_FITTED
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
 from hst_drive.measure.run import CHANNELS
+from hst_drive.units import for_people
 
 
 def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
              remaining: Unknown | None, hidden: Sequence[str] = (),
-             limited: Sequence[str] = ()) -> str:
+             limited: Sequence[str] = (), commissioned: bool = False) -> str:
     """
     Return what is missing and how far the error falls with it, in words.
 
     ``hidden`` are the effects that the logs could not have shown, ``limited`` the quantities that
-    sit at the limits of their tolerances in the unit without effects.
+    sit at the limits of their tolerances in the unit without effects; ``commissioned`` says that
+    the model is that of this machine as it was then.
     """
     first, last = ladder[1].holdout, ladder[-1].holdout
     signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
@@ -29,44 +32,80 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     lacks = ('; and ' if any(entry.indistinguishable_from for entry in effects) else ' and ').join(
         f'{entry.id} ({catalogue()[entry.id].title})' + (
             f", or {' or '.join(entry.indistinguishable_from)} in its place (these logs cannot "
-            'tell which)' if entry.indistinguishable_from else '') for entry in effects)
+            'tell which)' if entry.indistinguishable_from else '')
+        for entry in effects if not entry.change)
+    changed = ' '.join(_changed(entry) for entry in effects if entry.change)
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
              f'{times(last[signal])} times the noise.')
     if verdict == 'none':
-        return _nothing(first, signal, hidden)
+        return _nothing(first, signal, hidden, commissioned)
     if any(UNIT_ALONE in entry.indistinguishable_from for entry in effects):
-        return _or_the_unit(effects[0], limited)
+        return _or_the_unit(effects[0], limited, commissioned)
     if verdict in ('missing_effect', 'ambiguous'):
-        return f'The model lacks {lacks}. {falls}{_stays(last)}'
+        new = '' if not lacks else f'Since it was commissioned the machine has got {lacks}.' \
+            if commissioned else f'The model lacks {lacks}.'
+        return ' '.join(filter(None, [changed, new, f'{falls}{_stays(last)}']))
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
         place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.'
-    start = f'The model lacks {lacks}, and something' if effects else 'The model lacks something'
-    return f'{start} that no listed effect explains.{place} ' + (falls if effects else '')
+    start = f'The model lacks {lacks}, and something' if lacks else 'The model lacks something'
+    return ' '.join(filter(None, [changed, f'{start} that no listed effect explains.{place} '
+                                  + (falls if effects else '')]))
 
 
-def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str]) -> str:
+def _changed(entry: Found) -> str:
+    """Return a sentence for an effect that the rig has adopted."""
+    others = ' or '.join(entry.indistinguishable_from)
+    rivals = f' (or there is {others}; these logs cannot tell)' if others else ''
+    return f'{entry.id} ({catalogue()[entry.id].title}), adopted before, {_did(entry)}{rivals}.'
+
+
+def _did(entry: Found) -> str:
+    """Say what an effect that the rig has adopted did since."""
+    size, value = next(iter(entry.parameters.items()))
+    before, now = (f'{for_people(number, value.unit)[0]:.4g}'
+                   for number in (entry.adopted[size], value.value))
+    unit = for_people(1.0, value.unit)[1]
+    unit = f' {unit}' * (unit != '1')
+    return f'has {entry.change} from {before} to {now}{unit}' if entry.change != 'gone' else \
+        f'is gone ({size} was {before}{unit}): repaired?'
+
+
+def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
+             commissioned: bool) -> str:
     """Say of what nothing is missing: of what these logs could have shown."""
     untold = f'; they could not have shown {listed(hidden)}' if hidden else ''
-    return ('Nothing larger than the sizes below is missing in the balances of '
+    missing, known = ('has changed since the machine was commissioned', 'what is known of it') \
+        if commissioned else ('is missing', 'the tolerances')
+    return (f'Nothing larger than the sizes below {missing} in the balances of '
             f'{listed([CHANNELS[name].title for name in ratios])} that these logs close{untold}: '
-            'the model, calibrated within the tolerances, explains them down to the noise (worst '
+            f'the model, calibrated within {known}, explains them down to the noise (worst '
             f'held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
 
 
-def _or_the_unit(found: Found, limited: Sequence[str]) -> str:
+def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> str:
     """Say that the unit is at its limits, or an effect is missing."""
     others = [name for name in found.indistinguishable_from if name != UNIT_ALONE]
     names = ' or '.join([f'{found.id} ({catalogue()[found.id].title})', *others])
-    return (f'Either this unit is as far off its datasheet as its tolerances let it '
-            f'({listed(limited)}), or the model lacks {names}, which is far likelier by these '
-            'tolerances: both explain these logs down to the noise.')
+    unit = 'what it was when commissioned as one day is off another' if commissioned else \
+        'its datasheet as its tolerances let it'
+    cause = f'{names}, adopted before, {_did(found)}' if found.change else \
+        f'the model lacks {names}'
+    return (f'Either this unit is as far off {unit} ({listed(limited)}), or {cause}, which is far '
+            'likelier by these tolerances: both explain these logs down to the noise.')
 
 
 def listed(names: Sequence[str]) -> str:
     """Write names with commas and an 'and'."""
     return ' and '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
+
+
+def beyond(unseen: Sequence[Outside]) -> str:
+    """Tell what the machine was not commissioned for; '' if nothing."""
+    return ('These logs go beyond what the machine was commissioned for: '
+            f'{listed([entry.told for entry in unseen])}; what shows only there may be as it '
+            'always was.' if unseen else '')
 
 
 def limits(verdict: str, quantities: Sequence[str]) -> str:

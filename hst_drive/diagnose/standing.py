@@ -3,7 +3,8 @@
 """
 What may be named of a set that was found, whichever way it was found.
 
-An effect stands if its interval leaves out that it is not there, and if it is not at the end of
+An effect stands if its interval leaves out that it is not there (of one that the rig has adopted:
+that it is as it was), and if it is not at the end of
 what is plausible on a machine. What a set leaves beyond the noise may be the work of something
 that acts like one of its effects, so that each is known no better than by what is left over what
 it takes away. Without one that falls the others are fitted and judged anew.
@@ -71,7 +72,7 @@ def _sigmas(campaign: Campaign, model: Model, known: Spread, name: str) -> float
         return 0.0
     places = [known.unknowns.names.index((name, key)) for key in _sizes(campaign, model, name)
               if (name, key) in known.unknowns.names]
-    values = known.vector[places]
+    values = (known.vector - known.before)[places]
     # Together: where a friction's constant part ends and its share of the load begins may be open.
     part = known.covariance[np.ix_(places, places)]
     return float(np.sqrt(values @ np.linalg.solve(part, values)))
@@ -80,6 +81,8 @@ def _sigmas(campaign: Campaign, model: Model, known: Spread, name: str) -> float
 def _sizes(campaign: Campaign, model: Model, name: str) -> list[str]:
     """Return the parameters of an effect that do something without the others."""
     effect, values = catalogue(everything=True)[name], model.effects[name]
+    if name in campaign.adopted:
+        return [effect.parameters[0].name]
     nothing = {entry.name: values[entry.name] if entry.fixed else entry.neutral
                for entry in effect.parameters}
     size, *others = nothing

@@ -39,13 +39,14 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
 
     """
     effect, values = catalogue(everything=True)[name], campaign.typical(name)
+    size = effect.parameters[0].name
     trials = []
     for share in (1.0, 0.3, -0.3):
-        scaled = {key: value * share if place == 0 else value
-                  for place, (key, value) in enumerate(values.items())}
-        if share < 0 and effect.parameters[0].low >= 0:
+        now = campaign.off(name)[size]
+        start = now + share * (values[size] - now)
+        if share < 0 and start < effect.parameters[0].low:
             continue
-        trials.append(base.with_effect(name, scaled))
+        trials.append(base.with_effect(name, {**values, size: start}))
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [base.with_effect(name, {**values, effect.order: float(entry)})

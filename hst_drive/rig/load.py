@@ -12,6 +12,7 @@ from hst_drive.resources import share
 from hst_drive.rig import rig as parts
 from hst_drive.rig.adopted import read_effects
 from hst_drive.rig.characteristic import constant, LEAKAGE, leakage, torque_efficiency
+from hst_drive.rig.fingerprint import read_fingerprint, SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
@@ -24,7 +25,7 @@ _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
             'relief_valve': parts.ReliefValve, 'loading': parts.Loading,
             'controller': parts.Controller}
 _TOP = (*SECTIONS, 'name', 'sensors', 'tolerances_1_sigma_relative',
-        'characterised_at_oil_temperature_degC', 'effects', 'calibration', 'provenance')
+        'characterised_at_oil_temperature_degC', 'effects', 'calibration', SECTION, 'provenance')
 
 
 def load_rig(path: str | Path) -> Rig:
@@ -79,6 +80,7 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         characterised_at=to_si(float(temperature), 'degC'),
         effects=read_effects(content.get('effects', {}), source, of_any_size=part),
         calibration=_factors(content.get('calibration', {}), source),
+        fingerprint=read_fingerprint(content[SECTION], source) if SECTION in content else None,
         provenance=provenance, source=source, digest=digest(content))
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from hst_drive.errors import InputError
+from hst_drive.rig.fingerprint import Fingerprint
 import numpy as np
 
 # The sections of a whole drive; a file without one of them describes a part.
@@ -198,6 +199,10 @@ class Rig:
         Oil temperature at which the tables were measured, K.
     effects : dict of str to dict
         Adopted effects: id to parameter values in SI.
+    calibration : dict of str to float
+        Factor of this unit on each quantity that is off the datasheet.
+    fingerprint : Fingerprint or None
+        How well these factors are known, where the machine was commissioned.
     provenance : dict
         Where effects and calibration came from; for people and for refusals.
     source : str
@@ -219,9 +224,15 @@ class Rig:
     characterised_at: float = 323.15
     effects: dict[str, dict[str, float]] = field(default_factory=dict)
     calibration: dict[str, float] = field(default_factory=dict)
+    fingerprint: Fingerprint | None = None
     provenance: dict = field(default_factory=dict)
     source: str = ''
     digest: str = ''
+
+    @property
+    def scatter(self) -> dict[str, float]:
+        """By how much each quantity may be off: of this machine where that is known."""
+        return {**self.tolerances, **(self.fingerprint.sigmas if self.fingerprint else {})}
 
     @property
     def whole(self) -> bool:

@@ -22,6 +22,8 @@ class Linear:
     """A campaign whose errors are linear in the unknowns, each counted in its own scale."""
 
     tolerances = TOLERANCES
+    ties = {}
+    adopted = {}
     block = BLOCK
 
     def __init__(self, matrix, values):

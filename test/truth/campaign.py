@@ -54,7 +54,7 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
                   sensor_filter: float = 0.0, delay: dict[str, float] | None = None,
                   noise: float = 1.0, roughness: float = 0.5,
                   logs: tuple[str, ...] = profiles.LOGS,
-                  command: dict[str, dict] | None = None,
+                  command: dict[str, dict] | None = None, unit_seed: int | None = None,
                   keep_exact: bool = True) -> Campaign:
     """
     Make the logs of one campaign.
@@ -97,13 +97,16 @@ def make_campaign(seed: int, effects: dict | None = None, on_datasheet: bool = F
         Sensor noise relative to the datasheet; load roughness (N m, one sigma).
     command : dict
         Log name to {'setpoint' rpm, 'manual' V, 'pprv' V, 'closed'} per ms, replaces the drawn.
+    unit_seed : int
+        The unit is that of another seed: the same machine on another day.
     keep_exact : bool
         False: do not keep the noise-free states (30 MB for four logs of 60 s).
 
     """
     if sheet is None:
         sheet = unit.datasheet() if rig_seed is None else unit.other_rig(rig_seed)
-    factor = unit.scatter(sheet, np.random.default_rng([seed, 3]), on_datasheet)
+    factor = unit.scatter(sheet, np.random.default_rng(
+        [seed if unit_seed is None else unit_seed, 3]), on_datasheet)
     tabs = unit.tables(sheet, factor)
     values = unit.numbers(sheet, factor)
     torque_scale = sheet['motor']['displacement_cc_rev'] / 195

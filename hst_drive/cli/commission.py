@@ -1,0 +1,76 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The verb ``commission``: one machine's fingerprint from logs of when it was healthy.
+
+Writes a rig file with this machine's own factors, how well they are known, and for which
+conditions; with '--rig UNIT.yaml' every verb goes by them. What the logs told nothing about stays
+as far off as the make's tolerance lets it. Logs in which something is missing are refused.
+"""
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from hst_drive.cli.common import (
+    add_day_to_day_argument, add_log_arguments, day_to_day_of, read_logs, rig_file_of)
+from hst_drive.cli.diagnose import progress_line
+from hst_drive.cli.output import (
+    add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
+
+if TYPE_CHECKING:
+    from hst_drive.diagnose.commission import Commissioned
+
+HELP = "learn a machine's own numbers, and how well they are known, from healthy logs"
+SCHEMA = 'hst_drive/commission/1'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    add_log_arguments(parser)
+    parser.add_argument('-o', '--output', metavar='UNIT.yaml', required=True,
+                        help='rig file to write')
+    add_day_to_day_argument(parser)
+    add_force_argument(parser, 'UNIT.yaml')
+    add_json_argument(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Commission, write and print."""
+    from hst_drive.diagnose.commission import commission
+    from hst_drive.rig.yaml_file import read_yaml
+
+    day_to_day = day_to_day_of(args)
+    refuse_to_replace(args.output, args.force)
+    source = rig_file_of(args)
+    rig = read_yaml(source)
+    found = commission(rig, source, read_logs(args.logs, args.channels), day_to_day,
+                       progress=progress_line())
+    write_yaml(found.rig, args.output)
+    if args.json:
+        write_json({'schema': SCHEMA, 'rig': source, 'logs': args.logs,
+                    'quantities': [entry._asdict() for entry in found.quantities],
+                    'day_to_day_share_of_tolerance': found.day_to_day,
+                    'day_to_day_from_logs': found.from_logs,
+                    'conditions': found.rig['commissioned']['conditions']}, args.json)
+    tell = say if '-' in (args.output, args.json) else print
+    tell(text(found))
+    return 0
+
+
+def text(found: Commissioned) -> str:
+    """Return the fingerprint for a terminal."""
+    rows = [[entry.quantity, f'{entry.factor:.4f}', f'{100 * entry.sigma:.2g}',
+             f'{100 * entry.make:.2g}'] for entry in found.quantities]
+    lines = [table(['quantity', 'factor on the datasheet', 'known to [%]', 'make [%]'], rows), '',
+             'from day to day (one sigma): '
+             f'{found.day_to_day:g} of the tolerance of the make, '
+             + ('from these logs' if found.from_logs else 'as stated'),
+             'commissioned for: ' + ', '.join(
+                 f'{key} {low:g} to {high:g}' for key, (low, high)
+                 in found.rig['commissioned']['conditions'].items())]
+    untold = [entry for entry in found.quantities if entry.test]
+    if untold:
+        lines += ['', 'these logs tell little of (the tolerance of the make stays); what would '
+                  'tell:', *(f'  {entry.quantity}: {entry.test}' for entry in untold)]
+    return '\n'.join(lines)

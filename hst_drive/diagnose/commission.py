@@ -1,0 +1,179 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Commissioning: one machine's fingerprint from logs of the time when it was healthy.
+
+The unit's factors are fitted within the make's tolerances. Their covariance, that of blocks as
+clusters, and by how much the machine differs from day to day are what a later diagnosis has in
+place of these tolerances.
+"""
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any, Callable, NamedTuple, Sequence
+
+from hst_drive.diagnose.campaign import Campaign
+from hst_drive.diagnose.conditions import conditions
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.fit import calibrated, Fit
+from hst_drive.diagnose.intervals import clusters, spread
+from hst_drive.diagnose.part import campaign_of
+from hst_drive.errors import InputError
+from hst_drive.measure.run import Run
+from hst_drive.rig import parse_rig
+from hst_drive.rig.fingerprint import SECTION
+from hst_drive.units import from_si
+import numpy as np
+
+# Share of the make's tolerance, one sigma: units of a make differ by wear, by what they were made
+# like and by their oil; one unit differs from itself the next day by a tenth of that.
+DAY_TO_DAY = 0.1
+_SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
+_TOLD = 0.5         # of the squared tolerance: with more left the logs told nothing
+# What makes each quantity show.
+_TESTS = {
+    'motor.displacement': 'several speeds at little load, with the flow measured',
+    'motor.inertia': 'quick steps of the command at little load',
+    'line.bulk_modulus': 'steps of the load, at 100 Hz or more',
+    'pump.displacement_vs_command': 'several pump commands at little load',
+    'pump.displacement_lag': 'steps of the pump command, at 100 Hz or more',
+    'pump.leakage': 'low and high pressure at one pump command, with the flow measured',
+    'motor.leakage': 'low and high pressure at one speed, with the flow measured',
+    'motor.mechanical_efficiency': 'low and high load, with the torque measured',
+    'loading.pump_mechanical_efficiency': 'low and high load, with the torque measured',
+    'loading.pprv_pressure': 'several PPRV commands, with the torque measured',
+    'loading.pprv_lag': 'steps of the PPRV command, with the torque measured',
+    'loading.pprv_override': 'several speeds at one PPRV command, with the torque measured',
+}
+
+
+class Quantity(NamedTuple):
+    """
+    A quantity of this machine: factor on the datasheet, how well it and the make are known.
+
+    ``sigma`` and ``make`` are relative standard deviations; ``test`` is what would tell where the
+    logs did not, else ''.
+    """
+
+    quantity: str
+    factor: float
+    sigma: float
+    make: float
+    test: str
+
+
+class Commissioned(NamedTuple):
+    """The machine's rig file as a mapping, and what people want to know of it."""
+
+    rig: dict[str, Any]
+    quantities: tuple[Quantity, ...]
+    day_to_day: float
+    from_logs: bool
+
+
+def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | None = None, *,
+               progress: Callable[[str], None] = lambda text: None) -> Commissioned:
+    """
+    Return the fingerprint of a machine.
+
+    Parameters
+    ----------
+    rig : dict
+        Mapping of the rig file of the make.
+    source : str
+        That file, for messages.
+    runs : sequence of Run
+        Recordings of the machine while it was healthy.
+    day_to_day : float, optional
+        Repeatability, in tolerances of the make; else from the logs, if there are several, and
+        ``DAY_TO_DAY``.
+    progress : callable
+        Called with a text while the work goes on.
+
+    Raises
+    ------
+    InputError
+        If something is missing in the model of these logs, or they tell nothing.
+
+    """
+    made = parse_rig(rig, source)
+    for run in runs:
+        # Each by itself: from one day to the next a machine differs, and that is to be learnt.
+        found = diagnose(made, [run], progress=progress)
+        if found.verdict != 'none':
+            raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
+                             'Mend or adopt that first, or leave the log out')
+    campaign = campaign_of(made, runs).of_logs(lambda log: True, all_to_fit=True)
+    if not campaign.tolerances:
+        raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
+                         'logs show: there is nothing to learn; add how far units of this make '
+                         'differ')
+    progress('commissioning the machine')
+    fitted = calibrated(campaign)
+    known = spread(campaign, fitted, between_points=0.0)
+    names = [*campaign.tolerances]
+    covariance = known.unknowns.mix(known.unknowns.mix(known.covariance).T)
+    from_logs = day_to_day is None and len(runs) > 1
+    if day_to_day is None:
+        day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
+    make = np.array([made.tolerances.get(key, campaign.tolerances[key]) for key in names])
+    covariance += np.diag((day_to_day * make)**2)
+    sigmas = np.sqrt(np.diag(covariance))
+    factors = {**made.calibration,
+               **{key: made.calibration.get(key, 1.0) * float(np.exp(value))
+                  for key, value in fitted.model.factors.items()}}
+    unit = deepcopy(rig)
+    unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
+    correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)
+    unit[SECTION] = {
+        'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)},
+        'correlation': _positive(correlation).tolist(),
+        'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
+    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
+    if temperatures and 'leakage_temperature' not in made.effects:
+        # What was learnt of the leakages holds for the oil as it was then.
+        unit['characterised_at_oil_temperature_degC'] = round(float(from_si(
+            np.nanmedian(np.concatenate(temperatures)), 'degC')), 1)
+    unit['provenance'] = {**(rig.get('provenance') or {}),
+                          SECTION: {'logs': [run.source for run in runs]}}
+    return Commissioned(unit, tuple(
+        Quantity(key, factors[key], float(sigma), float(tolerance),
+                 _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
+        for key, sigma, tolerance in zip(names, sigmas, make)), day_to_day, from_logs)
+
+
+def repeatability(campaign: Campaign, fitted: Fit) -> float:
+    """
+    Return by how much the machine differs from log to log, in tolerances.
+
+    The likeliest standard deviation of the unknowns between the logs, from the slope of each
+    log's error at what fits all. What is usual (``DAY_TO_DAY``) counts as much as one log more.
+    """
+    count = len(campaign.tolerances)
+    residual = campaign.training(fitted.errors)
+    owner = np.concatenate([np.full(len(column.fit), column.log) for column in campaign.columns])
+    jacobian = fitted.jacobian[:, :count]
+    chance = -0.5 * count * (np.log(_SHARES**2) + DAY_TO_DAY**2 / _SHARES**2)
+    for log in range(len(campaign.replays)):
+        rows = np.flatnonzero(owner == log)
+        slope = jacobian[rows].T @ residual[rows]
+        curvature = jacobian[rows].T @ jacobian[rows]
+        noise = np.eye(count)
+        for block in clusters(campaign):
+            if owner[block[0]] == log:
+                push = jacobian[block].T @ residual[block]
+                noise += np.outer(push, push)
+        for place, share in enumerate(_SHARES):
+            spreads = noise + share**2 * curvature @ curvature
+            chance[place] -= 0.5 * (np.linalg.slogdet(spreads)[1]
+                                    + slope @ np.linalg.solve(spreads, slope))
+    logs = len(campaign.replays)
+    return float(_SHARES[np.argmax(chance)]) * float(np.sqrt(logs / (logs - 1.0)))
+
+
+def _positive(correlation: np.ndarray) -> np.ndarray:
+    """Return a correlation whose rounding leaves no mixture of quantities fixed."""
+    least = np.linalg.eigvalsh(correlation)[0]
+    room = 1e-3     # ten times what four digits round off
+    return correlation if least >= room else np.round(
+        (correlation + (room - least) * np.eye(len(correlation))) / (1.0 + room - least), 6)

@@ -1,0 +1,101 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a machine before its logs are looked at, for the conditions that they have."""
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.rig import Rig
+from hst_drive.rig.fingerprint import CONDITIONS
+from hst_drive.units import from_si
+import numpy as np
+
+_TAILS = (5.0, 95.0)    # percent of the readings: what a log visits now and then is no condition
+# Beyond what was commissioned: a share of the highest value there, and K for temperatures.
+_ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
+# What passes through gaps goes with the power 0 to 1 of the oil's viscosity (0: orifices, 1:
+# laminar gaps); the mean square of a number anywhere between.
+_GAPS = ('pump.leakage', 'motor.leakage')
+_POWER = 3.0**-0.5
+
+
+class Outside(NamedTuple):
+    """A channel whose values (SI) lie beyond those that a machine was commissioned for."""
+
+    channel: str
+    low: float
+    high: float
+    commissioned_low: float
+    commissioned_high: float
+
+    @property
+    def told(self) -> str:
+        """Return it for people."""
+        unit = CHANNELS[self.channel].display
+        low, high, first, last = (f'{from_si(value, unit):.4g}' for value in self[1:])
+        return f'{CHANNELS[self.channel].title} {low} to {high} {unit} (there {first} to {last})'
+
+
+def prior(rig: Rig, runs: Sequence[Run]) -> tuple[dict[str, float], dict[tuple[str, str], float]]:
+    """
+    Return by how much factors of the unit may be off (logarithm, one sigma), and what ties them.
+
+    Where the oil is warmer or colder than a machine was commissioned for, its leakages are known
+    no better than the power with which they follow the viscosity.
+    """
+    sigmas = {key: value for key, value in rig.scatter.items() if value > 0}
+    if not rig.fingerprint:
+        return sigmas, {}
+    more = _POWER * _thinner(rig, runs)
+    wider = {key: float(np.hypot(value, more)) if key in _GAPS else value
+             for key, value in sigmas.items()}
+    shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
+    return wider, {(one, other): value if one == other else value * shrunk[one] * shrunk[other]
+                   for (one, other), value in rig.fingerprint.correlation.items()}
+
+
+def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
+    """Return by what factor (logarithm) the viscosity lies beyond what was commissioned."""
+    grade = rig.line.oil_grade if rig.line else ''
+    reach = _reach('oil_temperature', runs)
+    if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
+            or grade not in GRADES or 'leakage_temperature' in rig.effects):
+        return 0.0
+    known = rig.fingerprint.conditions['oil_temperature']
+    return float(max(abs(np.log(viscosity(value, grade)
+                                / viscosity(np.clip(value, *known), grade))) for value in reach))
+
+
+def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
+    """Return the channels that go beyond what the machine was commissioned for."""
+    found = []
+    for channel, (low, high) in (rig.fingerprint.conditions if rig.fingerprint else {}).items():
+        reach = _reach(channel, runs)
+        room = _ROOM_TEMPERATURE if channel == 'oil_temperature' else \
+            _ROOM * max(abs(low), abs(high))
+        if reach is not None and (reach[0] < low - room or reach[1] > high + room):
+            found.append(Outside(channel, *reach, low, high))
+    return tuple(found)
+
+
+def conditions(runs: Sequence[Run]) -> dict[str, list[float]]:
+    """Return the range of each channel that tells conditions, in the units of a rig file."""
+    ranges = {}
+    for channel, (suffix, unit) in CONDITIONS.items():
+        reach = _reach(channel, runs, (0.5, 99.5))
+        if reach is not None:
+            ranges[f'{channel}_{suffix}'] = [float(f'{from_si(end, unit):.5g}') for end in reach]
+    return ranges
+
+
+def _reach(channel: str, runs: Sequence[Run],
+           tails: tuple[float, float] = _TAILS) -> tuple[float, float] | None:
+    """Return between which values a channel lies but for its tails; None if it is not there."""
+    values = np.concatenate([run[channel] for run in runs if channel in run] or [np.empty(0)])
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return None
+    low, high = np.percentile(values, tails)
+    return float(low), float(high)

@@ -1,0 +1,131 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How well one machine's own numbers are known, and where that was learnt; read strictly."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+import math
+
+from hst_drive.errors import InputError
+from hst_drive.rig.schema import TOLERANCES
+from hst_drive.units import to_si
+import numpy as np
+
+# Conditions that a fingerprint holds for: channel, suffix of its key, unit.
+CONDITIONS: dict[str, tuple[str, str]] = {
+    'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),
+    'motor_speed': ('rpm', 'rpm'), 'oil_temperature': ('degC', 'degC')}
+SECTION = 'commissioned'
+_KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
+
+
+@dataclass(frozen=True)
+class Fingerprint:
+    """
+    What commissioning told of a machine, beside its factors (``Rig.calibration``).
+
+    Attributes
+    ----------
+    sigmas : dict of str to float
+        By quantity: one standard deviation of the natural logarithm of its factor, day-to-day
+        repeatability included.
+    correlation : dict of (str, str) to float
+        Of pairs of quantities, each pair in both orders.
+    day_to_day : float
+        Repeatability, in the make's tolerances.
+    conditions : dict of str to (float, float)
+        Lowest and highest value, SI, of each channel that tells conditions.
+
+    """
+
+    sigmas: dict[str, float]
+    correlation: dict[tuple[str, str], float] = field(default_factory=dict)
+    day_to_day: float = 0.0
+    conditions: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+def read_fingerprint(found: object, source: str) -> Fingerprint:
+    """
+    Read the section 'commissioned' of a rig file.
+
+    Raises
+    ------
+    InputError
+        Naming ``source``, the key, what was found and what was expected.
+
+    """
+    content = _mapping(found, source, SECTION)
+    for key in content:
+        if key not in _KEYS:
+            raise InputError(f"{source}: unknown key '{SECTION}.{key}'; known: "
+                             f'{", ".join(_KEYS)}')
+    for key in _KEYS:
+        if key not in content:
+            raise InputError(f"{source}: key '{SECTION}.{key}' is missing; commission the "
+                             'machine again')
+    where = f'{SECTION}.sigma_relative'
+    sigmas = _mapping(content['sigma_relative'], source, where)
+    for key, value in sigmas.items():
+        if key not in TOLERANCES:
+            raise InputError(f"{source}: unknown key '{where}.{key}'; known: "
+                             f'{", ".join(TOLERANCES)}')
+        _number(value, 1e-9, 0.5, source, f'{where}.{key}')
+    share = f'{SECTION}.{_KEYS[2]}'
+    return Fingerprint(
+        {key: float(value) for key, value in sigmas.items()},
+        _correlation(content['correlation'], [*sigmas], source),
+        _number(content[_KEYS[2]], 0.0, 10.0, source, share),
+        _conditions(content['conditions'], source))
+
+
+def _correlation(found: object, names: list[str],
+                 source: str) -> dict[tuple[str, str], float]:
+    where = f'{SECTION}.correlation'
+    count = len(names)
+    rows = found if isinstance(found, list) else []
+    if len(rows) != count or any(not isinstance(row, list) or len(row) != count for row in rows):
+        raise InputError(f"{source}: '{where}' is no table of {count} rows of {count} numbers, "
+                         "one for each quantity of 'sigma_relative'")
+    table = np.array([[_number(value, -1.0, 1.0, source, f'{where}[{i}][{k}]')
+                       for k, value in enumerate(row)] for i, row in enumerate(rows)])
+    table = table.reshape(count, count)
+    if not (np.allclose(table, table.T) and np.allclose(np.diag(table), 1.0)) or (
+            count and np.linalg.eigvalsh(table)[0] <= 0.0):
+        raise InputError(f"{source}: '{where}' is no correlation: expected 1 on the diagonal, the "
+                         'same on both sides of it, and no quantity that others fix; commission '
+                         'the machine again')
+    return {(one, other): float(table[i, k])
+            for i, one in enumerate(names) for k, other in enumerate(names)}
+
+
+def _conditions(found: object, source: str) -> dict[str, tuple[float, float]]:
+    where = f'{SECTION}.conditions'
+    known = {f'{channel}_{suffix}': (channel, unit)
+             for channel, (suffix, unit) in CONDITIONS.items()}
+    conditions = {}
+    for key, value in _mapping(found, source, where).items():
+        if key not in known:
+            raise InputError(f"{source}: unknown key '{where}.{key}'; known: {', '.join(known)}")
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected [low, high]")
+        channel, unit = known[key]
+        low, high = (float(to_si(_number(end, -1e6, 1e6, source, f'{where}.{key}'), unit))
+                     for end in value)
+        if low > high:
+            raise InputError(f"{source}: '{where}.{key}' is {value}, expected low below high")
+        conditions[channel] = (low, high)
+    return conditions
+
+
+def _mapping(found: object, source: str, where: str) -> dict:
+    if not isinstance(found, dict):
+        raise InputError(f"{source}: '{where}' is {found!r}, expected a mapping of keys")
+    return found
+
+
+def _number(value: object, low: float, high: float, source: str, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not (
+            low <= value <= high) or not math.isfinite(value):
+        raise InputError(f"{source}: '{where}' is {value!r}, expected a number from {low:g} to "
+                         f'{high:g}')
+    return float(value)

@@ -1,0 +1,45 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""One pump through its life: tables of operating points by a formula of its own, no model."""
+import math
+
+from hst_drive.measure.run import Run
+import numpy as np
+
+RPM, CC, L_MIN = 2 * math.pi / 60, 1e-6 / (2 * math.pi), 1e-3 / 60
+FLOW_NOISE = 0.03 * L_MIN
+TOLERANCES = {'pump.displacement_vs_command': 0.006, 'pump.leakage': 0.08}
+UNIT = (1.004, 0.95)    # factors of this pump on its datasheet
+MAKE = {
+    'name': 'pump', 'pump': {
+        'max_displacement_cc_rev': 28, 'leakage_L_min': {
+            'pressure_bar': [0, 200], 'command_V': [0, 10], 'table': [[0, 0], [2.0, 2.0]]}},
+    'line': {'oil_grade': 'ISO VG 46'},
+    'sensors': {'motor_inlet_flow': {'noise_std_L_min': 0.03},
+                'pump_outlet_pressure': {'noise_std_bar': 0.01},
+                'pump_speed': {'noise_std_rpm': 0.01}},
+    'tolerances_1_sigma_relative': TOLERANCES,
+    'characterised_at_oil_temperature_degC': 50}
+
+
+def columns(pressure, speed):
+    """Return what the factors on displacement and leakage move: flow, m^3/s, per unit."""
+    return np.column_stack([28 * CC * speed, -2.0 * L_MIN * pressure / 200e5])
+
+
+def day(seed, leak=0.0, *, factors=UNIT, celsius=40.0, still=False, rows=240):
+    """
+    Return a day's log; ``leak`` is what the pump leaks beyond its table, L/min at 100 bar.
+
+    ``still``: at one speed and pressure.
+    """
+    random = np.random.default_rng(seed)
+    pressure = random.uniform(10, 190, rows) * 1e5
+    speed = random.uniform(1000, 2000, rows) * RPM
+    if still:
+        pressure, speed = 150e5 + 1e-2 * pressure, 1500 * RPM + 1e-2 * speed
+    flow = columns(pressure, speed) @ np.array(factors) - leak * L_MIN * pressure / 100e5
+    return Run(f'day {seed}', np.arange(rows, dtype=float), {
+        'pump_outlet_pressure': pressure, 'pump_speed': speed,
+        'motor_inlet_flow': flow + FLOW_NOISE * random.standard_normal(rows),
+        'oil_temperature': np.full(rows, 273.15 + celsius)}, f'day_{seed}.csv')

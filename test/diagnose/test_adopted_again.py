@@ -1,0 +1,66 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""An effect that the rig has adopted: as it was, grown, shrunk, gone; and adopted anew."""
+import json
+
+from hst_drive.cli.output import plain
+from hst_drive.diagnose.adopt import adopt
+from hst_drive.diagnose.commission import commission
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.document import as_json
+from hst_drive.rig import parse_rig
+import pytest
+
+from .machines import day, L_MIN, MAKE
+
+FIRST = 0.3     # L/min at 100 bar
+PER_BAR = L_MIN / 100e5
+
+
+def written(result):
+    """Return a diagnosis as it comes back from its file."""
+    return json.loads(json.dumps(plain(as_json(result))))
+
+
+def diagnosed(content, log):
+    """Return the diagnosis of a log on the rig file with this content."""
+    return diagnose(parse_rig(content, 'unit.yaml'), [log])
+
+
+@pytest.fixture(scope='module')
+def leaky():
+    """Return the rig file of a commissioned pump with a leak that was adopted, and its size."""
+    unit = commission(MAKE, 'make.yaml', [day(1)]).rig
+    found = diagnosed(unit, day(2, FIRST))
+    adopted = adopt(unit, written(found), 'first.json', 'unit.yaml')
+    return adopted, adopted['effects']['pump_leakage']['conductance'] / PER_BAR
+
+
+def test_the_same_leak_is_told_once(leaky):
+    content, size = leaky
+    assert size == pytest.approx(FIRST, rel=0.1)
+    found = diagnosed(content, day(3, FIRST))
+    assert found.verdict == 'none' and not found.effects
+
+
+@pytest.mark.parametrize('now, change', [(0.5, 'grown'), (0.15, 'shrunk'), (0.0, 'gone')])
+def test_what_changed_is_told_and_adopted(leaky, now, change):
+    """With its new size; its history stays, and what is gone is no longer in the model."""
+    content, size = leaky
+    result = diagnosed(content, day(4, now))
+    found, = result.effects
+    assert found.id == 'pump_leakage' and found.change == change
+    assert found.adopted['conductance'] / PER_BAR == pytest.approx(size)
+    value = found.parameters['conductance']
+    assert value.low <= now * PER_BAR <= value.high
+    assert f'adopted before, {"is" if change == "gone" else "has"} {change}' in result.sentence
+    anew = adopt(content, written(result), 'second.json', 'unit.yaml')
+    effects = anew['effects']
+    assert effects == {} if change == 'gone' else (
+        effects['pump_leakage']['conductance'] == pytest.approx(value.value))
+    first, second = anew['provenance']['adopted']
+    assert first['diagnosis'] == 'first.json' and second['logs'] == ['day_4.csv']
+    past = second['changed']['pump_leakage']
+    assert past['change'] == change and past['from'] == content['effects']['pump_leakage']
+    assert anew['provenance']['commissioned'] == content['provenance']['commissioned']
+    assert diagnosed(anew, day(5, now)).verdict == 'none'

@@ -1,0 +1,107 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A machine's fingerprint: against closed forms, and what a diagnosis sees with it."""
+from hst_drive.diagnose.campaign import Model
+from hst_drive.diagnose.commission import commission, DAY_TO_DAY
+from hst_drive.diagnose.conditions import prior
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.fit import fit
+from hst_drive.errors import InputError
+from hst_drive.rig import parse_rig
+import numpy as np
+import pytest
+
+from .machines import columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT
+from .test_fit import Linear
+
+ROUGH = {**MAKE, 'tolerances_1_sigma_relative': {
+    'pump.displacement_vs_command': 0.02, 'pump.leakage': 0.3}}
+
+
+@pytest.fixture(scope='module')
+def unit():
+    """Return a commissioned pump of a make whose units scatter much."""
+    return parse_rig(commission(ROUGH, 'make.yaml', [day(1)]).rig, 'unit.yaml')
+
+
+def test_factors_that_are_known_together_are_drawn_to_where_they_were_together():
+    """The closed form of a linear problem with a correlated prior."""
+    random = np.random.default_rng(4)
+    matrix = random.standard_normal((600, 3)) * 0.04    # weak: the prior decides
+    campaign = Linear(matrix, matrix @ np.array([1.0, -0.8, 0.0]) + random.standard_normal(600))
+    keys = [*campaign.tolerances]
+    campaign.ties = {(one, other): 1.0 if one == other else 0.9 for one in keys for other in keys}
+    precision = np.linalg.inv([[1.0, 0.9], [0.9, 1.0]])
+    plain = matrix[:, :2]
+    exact = np.linalg.solve(plain.T @ plain + precision, plain.T @ campaign.values)
+    found = fit(campaign, Model(), iterations=6)
+    assert [found.model.factors[key] / campaign.tolerances[key] for key in keys] == pytest.approx(
+        exact, abs=2e-3)
+
+
+def test_a_fingerprint_is_the_posterior_of_the_factors():
+    """Factors, deviations and their correlation as linear regression with a prior has them."""
+    runs = [day(1)]
+    made = commission(MAKE, 'make.yaml', runs, 0.0)
+    sigmas = np.array([*TOLERANCES.values()])
+    moved = columns(runs[0]['pump_outlet_pressure'], runs[0]['pump_speed']) * sigmas / FLOW_NOISE
+    exact = np.linalg.inv(moved.T @ moved + np.eye(2)) * np.outer(sigmas, sigmas)
+    deviation = np.sqrt(np.diag(exact))
+    found = made.rig['commissioned']
+    assert list(found['sigma_relative'].values()) == pytest.approx(deviation, rel=0.4)
+    assert found['correlation'][0][1] == pytest.approx(
+        exact[0, 1] / deviation.prod(), abs=0.1)
+    for entry, true, known in zip(made.quantities, UNIT, deviation):
+        assert abs(entry.factor - true) < 4 * known and not entry.test
+    assert found['conditions']['oil_temperature_degC'] == pytest.approx([40.0, 40.0])
+    assert made.rig['characterised_at_oil_temperature_degC'] == 40.0
+
+
+@pytest.mark.parametrize('share', [0.0, 0.6])
+def test_repeatability_is_that_of_the_days(share):
+    """Close to what the days were made with; of days that are alike it is less than usual."""
+    drawn = share * np.random.default_rng(7).standard_normal((5, 2))
+    days = [day(k, rows=60, factors=UNIT + shares * [*TOLERANCES.values()])
+            for k, shares in enumerate(drawn)]
+    made = commission(MAKE, 'make.yaml', days)
+    actual = float(np.sqrt(np.mean(np.var(drawn, axis=0, ddof=1))))
+    assert made.from_logs
+    assert made.day_to_day == pytest.approx(actual, rel=0.4) if share else \
+        made.day_to_day < DAY_TO_DAY
+
+
+def test_what_the_logs_do_not_tell_stays_as_the_make_has_it():
+    """At one pressure and speed displacement and leakage act alike: each alone is hardly known."""
+    made = commission(MAKE, 'make.yaml', [day(1, still=True)])
+    leakage = made.quantities[1]
+    assert made.day_to_day == DAY_TO_DAY and not made.from_logs
+    assert leakage.sigma > 0.5 * leakage.make and 'pressure' in leakage.test
+
+
+def test_logs_in_which_something_is_missing_are_refused():
+    with pytest.raises(InputError, match=r'day_1\.csv: cannot be commissioned .*pump_leakage'):
+        commission(MAKE, 'make.yaml', [day(1, 1.5)])
+
+
+def test_a_small_leak_shows_against_the_machine_alone(unit):
+    """What the make's tolerance takes up is found, in size; another healthy day is none."""
+    leaky, make = day(2, 0.15), parse_rig(ROUGH, 'make.yaml')
+    assert diagnose(make, [leaky]).verdict == 'none'
+    found = diagnose(unit, [leaky])
+    assert found.verdict in ('missing_effect', 'ambiguous')
+    assert found.effects[0].id == 'pump_leakage'
+    value = found.effects[0].parameters['conductance']
+    assert value.low < 0.15e-3 / 60 / 100e5 < value.high
+    assert diagnose(unit, [day(3)]).verdict == 'none'
+
+
+def test_beyond_what_was_commissioned_is_told(unit):
+    """Warm oil leaks as much more as gaps let it: nothing is missing, and it is said why."""
+    thin = 1.3      # of the leakage: a power 0.3 or so of the viscosity from 40 to 60 degC
+    warm = day(4, factors=(UNIT[0], UNIT[1] * thin), celsius=60.0)
+    found = diagnose(unit, [warm])
+    assert found.verdict == 'none' and 'oil temperature 60' in found.sentence
+    assert [entry.channel for entry in found.outside] == ['oil_temperature']
+    sigmas, _ = prior(unit, [warm])
+    assert sigmas['pump.leakage'] > 0.3 > 10 * sigmas['pump.displacement_vs_command']
+    assert not diagnose(unit, [day(3)]).outside
