@@ -31,6 +31,12 @@ class Readings:
             self.turn = -self.turn
             assert self.give(10.0 + 0.125 * self.turn) == [True]
 
+    def reset(self, later=0.0):
+        """Reset at 0 V."""
+        if self.watch.fault:
+            self.watch.ramp(self.now, 0.0)
+        return self.watch.reset(self.now + later)
+
     @property
     def kind(self):
         """The fault's kind, or None."""
@@ -77,22 +83,22 @@ def test_a_reset_needs_so_many_good_readings_and_then_counts_from_nothing():
     readings.good(2)
     readings.give(math.nan, math.nan, math.nan)
     watch = readings.watch
-    assert watch.reset(readings.now) == ['the speed reading is not a number']
+    assert readings.reset() == ['the speed reading is not a number']
     readings.good(2)
-    assert watch.reset(readings.now) == ['too few good readings yet']
+    assert readings.reset() == ['too few good readings yet']
     readings.give(math.nan)
     readings.good(2)
-    assert watch.reset(readings.now) == ['too few good readings yet'], 'one in between: again'
+    assert readings.reset() == ['too few good readings yet'], 'one in between: again'
     readings.good(1)
-    assert watch.reset(readings.now) == []
+    assert readings.reset() == []
     for many in (3, 7):
         fresh = Readings(bad_readings=many)
         fresh.watch.press('topic', True, fresh.now)
         fresh.watch.press('topic', False, fresh.now)
         fresh.good(many - 1)
-        assert fresh.watch.reset(fresh.now) == ['too few good readings yet']
+        assert fresh.reset() == ['too few good readings yet']
         fresh.good(1)
-        assert fresh.watch.reset(fresh.now) == []
+        assert fresh.reset() == []
     # What the stop was for does not weigh on the time after it.
     assert readings.give(math.nan, math.nan) == [False, False] and readings.kind is None
     readings.give(math.nan)
@@ -104,12 +110,12 @@ def test_what_stands_against_a_reset_is_told_as_long_as_it_does():
     watch = readings.watch
     watch.wish(readings.now, -1.0)
     readings.good(10)
-    assert watch.reset(readings.now) == ['the set point is not a number in its range']
+    assert readings.reset() == ['the set point is not a number in its range']
     watch.wish(readings.now, 1.0)
-    assert watch.reset(readings.now + 0.25) == []
+    assert readings.reset(0.25) == []
     watch.press('topic', True, readings.now)
     watch.press('service', True, readings.now)
-    assert watch.reset(readings.now + 0.75) == [
+    assert readings.reset(0.75) == [
         'emergency stop is pressed (service)', 'emergency stop is pressed (topic)',
         'no usable speed reading', 'no set point']
 
@@ -120,7 +126,7 @@ def test_a_frozen_reading_is_one_at_once_and_a_reset_begins_its_time_anew():
     assert readings.give(10.0) == [False] and readings.kind == 'feedback_frozen'
     readings.good(3)
     readings.give(9.5)
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
     assert all(readings.give(*[9.5] * 64)) and readings.kind is None
     assert readings.give(9.5) == [False] and readings.kind == 'feedback_frozen'
     # It rests, sticks for long while it is not judged, and goes on.
@@ -136,7 +142,7 @@ def test_a_fault_before_the_reset_does_not_count_as_frozen_after_it():
     readings.watch.press('topic', True, readings.now)
     readings.give(*[10.0] * 60)
     readings.watch.press('topic', False, readings.now)
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
     assert all(readings.give(*[10.0] * 60)) and readings.kind is None
 
 
@@ -174,7 +180,7 @@ def test_a_new_level_is_taken_in_once_the_fault_is_there():
     # It comes down by itself: a spike, while there was no fault, moved nothing.
     assert readings.give(20.125) == [False]
     assert readings.give(20.0, 20.125, 20.0) == [True] * 3
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
 
 
 def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
