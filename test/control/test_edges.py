@@ -82,7 +82,6 @@ def test_a_reset_needs_so_many_good_readings_and_then_counts_from_nothing():
     readings = Readings(bad_readings=3)
     readings.good(2)
     readings.give(math.nan, math.nan, math.nan)
-    watch = readings.watch
     assert readings.reset() == ['the speed reading is not a number']
     readings.good(2)
     assert readings.reset() == ['too few good readings yet']
