@@ -3,6 +3,8 @@
 """What an audit asks of a controller: who has stopped, released, reset and started the drive."""
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rclpy.node import NodeNameNonExistentError
 
 
@@ -11,17 +13,18 @@ class Audit:
     Logs what was done to the drive, one line each at INFO, and keeps the last one.
 
     ROS 2 does not sign messages and tells no service who calls: named are the nodes that could
-    have, as the graph knows them in that moment.
+    have, as the graph knows them in that moment. ``on_note`` is called after each line.
     """
 
-    def __init__(self, node):
-        self._node = node
+    def __init__(self, node, on_note: Callable[[], None]):
+        self._node, self._on_note = node, on_note
         self.last = ''
 
     def note(self, what: str) -> None:
-        """Log a line and keep it."""
+        """Log a line, keep it, and let the node tell of it."""
         self.last = what
         self._node.get_logger().info(what)
+        self._on_note()
 
     def writers(self, topic: str) -> str:
         """Return which nodes publish a topic."""

@@ -42,7 +42,7 @@ class Controller(DriveNode):
 
     def __init__(self):
         super().__init__()
-        self._audit = Audit(self)
+        self._audit = Audit(self, self._tell)
         self._law: PiController | None = None
         self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._change)
@@ -67,12 +67,12 @@ class Controller(DriveNode):
                 self._watch.inherit(before)
         except ValueError as error:
             raise InputError(f'controller: {error}') from None
-        if settings['start_command'] >= 0.0:
+        if settings['start_command'] >= 0.0 and not self._watch.held:
             self._law.reset(settings['start_command'])
         self._manual = settings['mode'] == 'open_loop'
         self._wanted = 'manual_pump_command' if self._manual else 'speed_setpoint'
         self._pace = Pace(round(settings['sample_time'] * BILLION), on_grid=self.lockstep)
-        self._command = self._law.command
+        self._command = 0.0 if self._watch.held else self._law.command
         self._reading: tuple[int, float] | None = None
         self._setpoint: float | None = None
         self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
@@ -89,7 +89,8 @@ class Controller(DriveNode):
             self.listen_to(name, lambda stamp, values, name=name: self._wants(
                 name, stamp, values[0]))
         self._diagnostics = Diagnostics(self)
-        self._stops = StopInputs(self, self._audit, self._press, self._reset, self._start)
+        self._stops = StopInputs(self, self._audit, self._press, self._reset,
+                                 self._watch.start)
         super().activate()
         if not self.lockstep:
             self._timer = self.create_timer(
@@ -228,20 +229,12 @@ class Controller(DriveNode):
         return self._watch.press(source, pressed, self._seconds(self._stamp()))
 
     def _reset(self) -> list[str]:
-        """End the stop, or return what stands against it; from the command that holds."""
+        """End the stop, or return what stands against it; go on from the command that holds."""
         stopped = self._watch.fault
         against = self._watch.reset(self._seconds(self._stamp()))
         if stopped and not against:
             self._law.reset(self._command)
             self._pace.restart()
-            self._tell()
-        return against
-
-    def _start(self) -> list[str]:
-        """Start the drive after a reset, or return what stands against it."""
-        against = self._watch.start()
-        if not against:
-            self._tell()
         return against
 
     def _stamp(self) -> int:

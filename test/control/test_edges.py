@@ -4,6 +4,7 @@
 import math
 
 from hst_drive.control import SafetySettings, Supervisor
+from hst_drive.control.faults import Fault, FAULTS
 import pytest
 
 STEP = 1.0 / 64.0
@@ -326,3 +327,25 @@ def test_a_fault_says_what_it_is_and_what_was_found():
     watch.press('topic', True, 2.0)
     assert str(watch.fault) == 'emergency_stop: emergency stop (by topic)'
     assert watch.fault.time == 2.0
+
+
+@pytest.mark.parametrize('kind', [kind for kind in FAULTS if kind != 'emergency_stop'])
+def test_an_emergency_stop_outranks_every_fault_and_nothing_outranks_it(kind):
+    watch = Supervisor(SafetySettings(stop_time=4.0, emergency_stop_time=1.0))
+    watch.fault = Fault(kind, 'found', 1.0)
+    watch.press('topic', True, 2.0)
+    assert watch.fault == Fault('emergency_stop', 'by topic', 2.0)
+    watch.press('service', True, 3.0)
+    watch.wish(3.0, -1.0)
+    watch.formed(3.0, 11.0)
+    watch.end(3.0)
+    assert watch.fault == Fault('emergency_stop', 'by topic', 2.0), 'the first one is told'
+
+
+def test_the_defaults_are_those_that_the_table_of_faults_tells():
+    assert vars(SafetySettings()) == {
+        'feedback_timeout': 0.25, 'setpoint_timeout': 0.5, 'stamp_tolerance': 1.0,
+        'frozen_timeout': 1.0, 'bad_readings': 3, 'speed_limit': 30.0,
+        'acceleration_limit': 1500.0, 'following_error_limit': 3.0,
+        'following_error_timeout': 5.0, 'stop_time': 1.0, 'emergency_stop_time': 0.3,
+        'start_after_reset': True}
