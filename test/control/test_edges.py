@@ -124,6 +124,7 @@ def test_a_frozen_reading_is_one_at_once_and_a_reset_begins_its_time_anew():
     readings = Readings(frozen_timeout=1.0)
     assert all(readings.give(*[10.0] * 65)) and readings.kind is None      # 1 s to the digit
     assert readings.give(10.0) == [False] and readings.kind == 'feedback_frozen'
+    assert readings.watch.fault.found == '10 rad/s for 1.02 s'
     readings.good(3)
     readings.give(9.5)
     assert readings.reset() == []
@@ -192,7 +193,7 @@ def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
 
 
 @pytest.mark.parametrize('clock, said', [
-    (105.0, '5 s old'), (95.0, '5 s in the future'), (0.0, 'does anybody publish /clock?')])
+    (205.0, '105 s old'), (95.0, '5 s in the future'), (0.0, 'does anybody publish /clock?')])
 def test_what_is_wrong_with_a_stamp_is_told(clock, said):
     readings = Readings(bad_readings=1)
     readings.give(10.0, stamp=100.0, clock=clock)
@@ -213,17 +214,28 @@ def test_times_that_are_just_kept():
                        ('setpoint_timeout', 'setpoint_lost')):
         watch = Supervisor(SafetySettings(**{
             'feedback_timeout': 100.0, 'setpoint_timeout': 100.0, name: 0.5}))
-        watch.wish(1.0, 5.0)
-        watch.feedback(1.0, 1.0, 5.0)
-        watch.check(1.5)
+        watch.wish(0.25, 5.0)
+        watch.feedback(0.25, 0.25, 5.0)
+        watch.check(0.75)
         assert watch.fault is None
-        watch.check(1.5 + STEP)
+        watch.check(0.75 + STEP)
         assert watch.fault.kind == kind and 'for 0.516 s' in watch.fault.found
     watch = Supervisor(SafetySettings(feedback_timeout=1e9, setpoint_timeout=0.0))
     watch.wish(1.0, 5.0)
     watch.feedback(1.0, 1.0, 5.0)
     watch.check(1e6)
     assert watch.fault is None
+
+
+def test_nothing_is_lost_until_both_have_come():
+    for first in ('wish', 'reading'):
+        watch = Supervisor(SafetySettings())
+        if first == 'wish':
+            watch.wish(1.0, 5.0)
+        else:
+            watch.feedback(1.0, 1.0, 5.0)
+        watch.check(100.0)
+        assert watch.fault is None and watch.state == 'waiting'
 
 
 @pytest.mark.parametrize('manual, low, high, unit, kind', [
@@ -264,6 +276,14 @@ def test_the_following_error_at_its_edges():
     assert lagging(1.5 + STEP, following_error_limit=1.5)
     assert not lagging(2.0, seconds=2.0) and lagging(2.0, seconds=2.0 + STEP)
     assert lagging(0.75, setpoint=1.0) and not lagging(0.75, 0.0, setpoint=1.0)
+
+
+@pytest.mark.parametrize('nearer, fault', [(8.0, False), (9.0, False), (9.5, True)])
+def test_an_error_that_falls_to_nine_tenths_begins_a_new_time(nearer, fault):
+    watch = Supervisor(SafetySettings(following_error_timeout=2.0))
+    for now, error in ((0.0, 10.0), (1.5, nearer), (3.0, nearer)):
+        told = watch.lags(now, 10.0, 10.0 - error, 10.0)
+    assert told == fault
 
 
 @pytest.mark.parametrize('error', [1.5, -1.5])
