@@ -20,7 +20,7 @@ OURS = ('~/transition_event', '/rosout', '/parameter_events', '*')
 def test_every_fault_has_its_row_and_its_time_is_the_default():
     assert set(re.findall(r'^\| `(\w+)` \|', GUIDE, re.MULTILINE)) == set(FAULTS)
     for name, value in vars(SafetySettings()).items():
-        said = f'`{name}` {value:g}'
+        said = f'`{name}` {str(value).lower() if isinstance(value, bool) else format(value, "g")}'
         assert said in GUIDE, said
 
 

@@ -171,6 +171,7 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     _residual('pump_displacement', 'm^3/rad', 'pump stroke', 'pump', on=False),
     _residual('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', on=False),
     _residual('line_pressure', 'Pa', 'pressure drop of the line', 'motor_inlet', on=False),
+    Topic('verdict', JOINT_STATE, 'motor', 'estimator', ()),
     Topic('oil_temperature_command', TEMPERATURE, 'oil', 'load_profile', (
         Field('temperature', 'degC', 'oil temperature that the test bench sets'),),
         recorded=False),
@@ -187,6 +188,9 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
 # What the topics without numbers say.
 _WORDS = {'emergency_stop': 'true stops the drive; stays until a reset',
           'sync': 'nodes of a run find each other and keep step',
+          'verdict': '`name`: effects that could be missing, the likeliest first; `unknown`: none '
+                     'of the catalogue; empty: no balance fails. Of each `position`: size (SI), '
+                     '`velocity`: share that it explains (0 to 1), `effort`: failing for s',
           '/diagnostics': 'whether the figures are valid; which balance fails and what it lacks'}
 WITH_READING: dict[str, str] = {
     'external_leakage_resistance': 'case_drain_flow',

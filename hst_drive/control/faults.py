@@ -23,7 +23,8 @@ FAULTS = {
     'shutdown': 'the controller is being ended',
 }
 """What each fault means."""
-_MAY_BE_OFF = ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout', 'following_error_timeout')
+_MAY_BE_OFF = ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout', 'following_error_timeout',
+               'start_after_reset')
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,9 @@ class SafetySettings:
         Longest time with a larger one that the command does not end, s; 0: not judged.
     stop_time, emergency_stop_time : float
         Time of the ramp from the largest command to 0 V, s.
+    start_after_reset : bool
+        A reset is refused above 0 V, and the drive stays there until it is started: by a set
+        point (manual command) that is back at its smallest, or by ``Supervisor.start``.
 
     """
 
@@ -67,6 +71,7 @@ class SafetySettings:
     following_error_timeout: float = 5.0
     stop_time: float = 1.0
     emergency_stop_time: float = 0.3
+    start_after_reset: bool = True
 
     def __post_init__(self):
         for entry in fields(self):

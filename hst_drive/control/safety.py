@@ -5,8 +5,8 @@ What takes the drive to standstill when the controller may no longer be trusted.
 
 ``Supervisor`` judges every reading and every wish before the law sees them. A fault is latched:
 from then on the command falls on a straight line to 0 V (no displacement), and nothing but
-``reset`` ends that, once the cause is gone. The law stands still meanwhile, so its integral
-cannot wind up.
+``reset`` ends that, once the cause is gone. A reset does not start the drive: it stays at 0 V
+until the set point has been back at its smallest, or ``start`` is called.
 """
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from typing import NamedTuple
 
 from hst_drive.control.faults import Fault, FAULTS, SafetySettings
 
-WAITING, RUNNING, STOPPING, STOPPED = 'waiting', 'running', 'stopping', 'stopped'
+WAITING, READY, RUNNING = 'waiting', 'ready', 'running'
+STOPPING, STOPPED = 'stopping', 'stopped'
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
 _SHARE = 0.5       # of the set point: loaded, at full stroke, the drive turns slower, but it turns
 _NEARER = 0.9      # an error that falls to this share of itself is a drive that follows slowly
@@ -59,6 +60,7 @@ class Supervisor:
                  manual: bool = False):
         self.settings, self.limits, self.manual = settings, limits, manual
         self.fault: Fault | None = None
+        self.held = False                  # reset, but not started
         self.passed_over = 0               # bad readings that led to no fault
         self._pressed: set[str] = set()
         self._bad: tuple[str, str] | None = None
@@ -69,6 +71,7 @@ class Supervisor:
         self._usable_at: float | None = None
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
+        self._at_rest = False              # the last wish was the smallest there is
         self._apart: _Apart | None = None
         self._ramp: _Ramp | None = None
         self._ending = False
@@ -81,13 +84,13 @@ class Supervisor:
     @property
     def state(self) -> str:
         """
-        'waiting' (for the first reading and wish), 'running', 'stopping' or 'stopped'.
+        'waiting' (for reading and wish), 'ready' (for a start), 'running', 'stopping', 'stopped'.
 
         It is 'stopped' once the ramp has given 0 V, not before.
         """
         if self.fault:
             return STOPPED if self._ramp and self._ramp.command == 0.0 else STOPPING
-        return WAITING if any(self.missing) else RUNNING
+        return WAITING if any(self.missing) else READY if self.held else RUNNING
 
     def feedback(self, now: float, stamp: float, value: float, clock: float | None = None,
                  refused: str = '') -> bool:
@@ -106,8 +109,7 @@ class Supervisor:
             Why the message does not tell the reading; '' if it does.
 
         """
-        bad = self._judge(now, stamp, value, clock, refused)
-        self._bad = bad
+        self._bad = bad = self._judge(now, stamp, value, clock, refused)
         if bad is None:
             self._score = max(0.0, self._score - _FORGIVEN)
             self._good += 1
@@ -159,15 +161,19 @@ class Supervisor:
             self._wish_fault = ('command_invalid' if self.manual else 'setpoint_invalid',
                                 f'{value:.4g} {unit}, expected {low:g} to {high:g}')
             self._trip(*self._wish_fault, now)
+        self._at_rest = value == low
+        self.held = self.held and not self._at_rest
         return self._wish_fault is None
 
-    def press(self, source: str, pressed: bool, now: float) -> None:
-        """Take an emergency stop, or its release, from a source such as 'topic'."""
+    def press(self, source: str, pressed: bool, now: float) -> bool:
+        """Take an emergency stop, or its release, from a source; return whether it is new."""
+        new = pressed != (source in self._pressed)
         if pressed:
             self._pressed.add(source)
             self._trip('emergency_stop', f'by {source}', now)
         else:
             self._pressed.discard(source)
+        return new
 
     def end(self, now: float) -> None:
         """Go to 0 V for good, as fast as after an emergency stop."""
@@ -177,7 +183,7 @@ class Supervisor:
 
     def inherit(self, before: Supervisor) -> None:
         """Go on with the stop that an earlier supervisor of the same drive was in."""
-        self._pressed = before._pressed
+        self._pressed, self.held = before._pressed, before.held
         if before.fault and before.fault.kind != 'shutdown':
             self.fault = before.fault
 
@@ -186,7 +192,7 @@ class Supervisor:
         if not self.limits[0] <= command <= self.limits[1]:
             self._trip('command_invalid', f'the law gives {command:.4g} V', now)
             return False
-        return True
+        return not self.held
 
     def lags(self, now: float, setpoint: float, speed: float, command: float) -> bool:
         """
@@ -224,7 +230,7 @@ class Supervisor:
 
     def check(self, now: float) -> None:
         """Look for what has not come in time."""
-        if self.state == RUNNING:
+        if self.fault is None and not any(self.missing):
             for cause in self._overdue(now):
                 self._trip(*cause, now)
 
@@ -271,13 +277,25 @@ class Supervisor:
             found.append('too few good readings yet')
         if self._wish_fault:
             found.append(FAULTS[self._wish_fault[0]])
+        if self.settings.start_after_reset and self.state == STOPPING:
+            found.append('the command is not at 0 V yet')
         return found
 
     def reset(self, now: float) -> list[str]:
         """End the fault if its cause is gone; return what stands against it, else nothing."""
         found = self.causes(now)
-        if not found:
+        if self.fault and not found:
+            self.held = self.settings.start_after_reset and not self._at_rest
             self.fault = self._ramp = self._apart = None
             self._score = 0.0
             self._same_since = now
         return found
+
+    def start(self) -> list[str]:
+        """Let the drive go after a reset; return what stands against it, else nothing."""
+        if self.fault:
+            return [f'{self.state}: {self.fault}']
+        if any(self.missing):
+            return ['no reading or no set point has come yet']
+        self.held = False
+        return []

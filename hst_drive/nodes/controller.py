@@ -8,14 +8,15 @@ import sys
 import time
 
 from hst_drive.control import PiController, SafetySettings, Supervisor
-from hst_drive.control.safety import RUNNING, STOPPED
+from hst_drive.control.safety import READY, RUNNING, STOPPED
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync
+from hst_drive.nodes.audit import Audit
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.controller_parameters import PARAMETERS
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, OK, WARN
 from hst_drive.nodes.endpoints import BILLION
-from hst_drive.nodes.pace import Pace
+from hst_drive.nodes.pace import Pace, Rates
 from hst_drive.nodes.stopping import StopInputs
 from rcl_interfaces.msg import SetParametersResult
 
@@ -41,6 +42,7 @@ class Controller(DriveNode):
 
     def __init__(self):
         super().__init__()
+        self._audit = Audit(self, self._tell)
         self._law: PiController | None = None
         self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._change)
@@ -65,19 +67,19 @@ class Controller(DriveNode):
                 self._watch.inherit(before)
         except ValueError as error:
             raise InputError(f'controller: {error}') from None
-        if settings['start_command'] >= 0.0:
+        if settings['start_command'] >= 0.0 and not self._watch.held:
             self._law.reset(settings['start_command'])
         self._manual = settings['mode'] == 'open_loop'
         self._wanted = 'manual_pump_command' if self._manual else 'speed_setpoint'
         self._pace = Pace(round(settings['sample_time'] * BILLION), on_grid=self.lockstep)
-        self._command = self._law.command
+        self._command = 0.0 if self._watch.held else self._law.command
         self._reading: tuple[int, float] | None = None
         self._setpoint: float | None = None
         self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
         self._told: str | None = None
+        self._runs = False
         self._ended = False
-        self._counted: tuple[float, dict[str, int]] = 0.0, {}
-        self._rates: dict[str, float] = {}
+        self._rates = Rates(_STATUS_PERIOD)
 
     def activate(self) -> None:
         """Open the endpoints."""
@@ -87,7 +89,8 @@ class Controller(DriveNode):
             self.listen_to(name, lambda stamp, values, name=name: self._wants(
                 name, stamp, values[0]))
         self._diagnostics = Diagnostics(self)
-        self._stops = StopInputs(self, self._press, self._reset)
+        self._stops = StopInputs(self, self._audit, self._press, self._reset,
+                                 self._watch.start)
         super().activate()
         if not self.lockstep:
             self._timer = self.create_timer(
@@ -97,7 +100,10 @@ class Controller(DriveNode):
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""
         # In a simulated run the plant ends at the same time.
-        if self.lockstep or self.partners or not self._command > 0.0:
+        if self.lockstep or self.partners or not self.outputs:
+            return
+        self._audit.note(f'the drive ends; it was {self._watch.state}, at {self._command:.4g} V')
+        if not self._command > 0.0:
             return
         self._watch.end(self._seconds())
         while self._command > 0.0:
@@ -158,16 +164,24 @@ class Controller(DriveNode):
             self._setpoint = value
 
     def _answer(self, stamp: int) -> None:
+        self._note_start()
         if self._watch.fault:
             if self.lockstep:
                 self._follow_ramp(stamp)
                 self.answers.done(stamp)
             return
-        if elapsed := self._pace.due(stamp if self.lockstep else time.monotonic_ns()):
+        elapsed = self._pace.due(stamp if self.lockstep else time.monotonic_ns())
+        if elapsed and not self._watch.held:
             self._form(self._seconds(stamp), self._reading[1], elapsed)
         self.outputs['pump_command'].publish(stamp, self._command)
         if self.lockstep:
             self.answers.done(stamp)
+
+    def _note_start(self) -> None:
+        before, self._runs = self._runs, self._watch.state == RUNNING
+        if self._runs and not before and not self.partners:
+            self._audit.note(f'the drive starts; {self._wanted} is {self._setpoint:.4g} '
+                             f'({self._audit.writers(self._wanted)})')
 
     def _form(self, now: float, speed: float, elapsed: float) -> None:
         """Form a new command; keep the last one if it is none to send."""
@@ -211,16 +225,16 @@ class Controller(DriveNode):
         if str(self._watch.fault) + self._watch.state != self._told:
             self._tell(stamp)
 
-    def _press(self, source: str, pressed: bool) -> None:
-        self._watch.press(source, pressed, self._seconds(self._stamp()))
+    def _press(self, source: str, pressed: bool) -> bool:
+        return self._watch.press(source, pressed, self._seconds(self._stamp()))
 
     def _reset(self) -> list[str]:
         """End the stop, or return what stands against it; go on from the command that holds."""
+        stopped = self._watch.fault
         against = self._watch.reset(self._seconds(self._stamp()))
-        if not against:
+        if stopped and not against:
             self._law.reset(self._command)
             self._pace.restart()
-            self._tell()
         return against
 
     def _stamp(self) -> int:
@@ -228,14 +242,9 @@ class Controller(DriveNode):
 
     def _look(self) -> None:
         """Count how often messages come, once that is known for a whole time, and tell."""
-        now, (since, before) = time.monotonic(), self._counted
-        if now - since < 0.5 * _STATUS_PERIOD:
-            return      # rclpy's timer may come twice where another one is set anew
-        counts = {name: self.inputs[name].received for name in ('motor', self._wanted)}
-        self._rates = {name: (count - before[name]) / (now - since)
-                       for name, count in counts.items() if before.get(name)}
-        self._counted = now, counts
-        self._tell()
+        if self._rates.count(time.monotonic(), {
+                name: self.inputs[name].received for name in ('motor', self._wanted)}):
+            self._tell()
 
     def _tell(self, stamp: int | None = None) -> None:
         """Say on /diagnostics how it stands."""
@@ -251,14 +260,17 @@ class Controller(DriveNode):
         if fault:
             message = f'{watch.state}: {fault}' + ('' if ended else '; reset it with ~/reset')
         else:
-            message = self._waits() or 'running'
+            message = self._waits() or (
+                f'ready; start it with {self._wanted} back at its smallest, or ~/start'
+                if watch.state == READY else 'running')
             message += ''.join(f'; {count} nodes publish {name}: only one may'
                                for name, count in crowded.items())
         asked = 1.0 / self.settings['sample_time']
-        seldom = watch.state == RUNNING and self._rates.get('motor', asked) < _SELDOM * asked
+        rates = self._rates.found
+        seldom = watch.state == RUNNING and rates.get('motor', asked) < _SELDOM * asked
         if seldom:
-            message += (f"; motor comes {self._rates['motor']:.3g} times a second, sample_time "
-                        f'asks for {asked:.3g}')
+            message += (f"; motor comes {rates['motor']:.3g} times a second, sample_time asks for "
+                        f'{asked:.3g}')
         against = watch.causes(self._seconds(self._stamp())) if fault and not ended else ()
         self._diagnostics.publish(
             self._stamp() if stamp is None else stamp,
@@ -267,10 +279,10 @@ class Controller(DriveNode):
             OK if watch.state == RUNNING and not crowded and not seldom else WARN, message, {
                 'state': watch.state, 'fault': fault.kind if fault else '',
                 'found': fault.found if fault else '', 'against_reset': ', '.join(against),
-                'command_v': f'{self._command:.4g}',
+                'last_event': self._audit.last, 'command_v': f'{self._command:.4g}',
                 'at_zero': str(watch.state == STOPPED).lower(),
                 'readings_passed_over': watch.passed_over,
-                **{f'{name}_rate_hz': f'{rate:.3g}' for name, rate in self._rates.items()}})
+                **{f'{name}_rate_hz': f'{rate:.3g}' for name, rate in rates.items()}})
 
     def _waits(self) -> str:
         """Return for which topics it still waits, and what is there of them; '' if for none."""

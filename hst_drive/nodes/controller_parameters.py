@@ -46,4 +46,6 @@ PARAMETERS = (
               0.01, 60.0),
     Parameter('emergency_stop_time', _DEFAULTS.emergency_stop_time, 'the same for an '
               'emergency stop', 's', 0.01, 60.0),
+    Parameter('start_after_reset', _DEFAULTS.start_after_reset, 'after a reset the drive waits at '
+              '0 V for a start: set point back at its smallest, or ~/start'),
 )

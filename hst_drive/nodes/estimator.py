@@ -82,6 +82,7 @@ class Estimator(DriveNode):
         self.publish_to(*(
             name for name, topic in TOPICS.items() if topic.publisher == self.role and topic.fields
             and (topic.on or WITH_READING.get(name) in self._extra)))
+        self.outputs['verdict'] = verdict.VerdictOutput(self)
         self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
         for name in _READ:
             self.listen_to(name, lambda stamp, values, name=name: self._measured(
@@ -151,6 +152,7 @@ class Estimator(DriveNode):
             if f'{name}_residual' in self.outputs:
                 self.outputs[f'{name}_residual'].publish(
                     stamp, innovation.value, innovation.deviation, said.levels[name])
+        self.outputs['verdict'].publish(stamp, said)
         observer = self._observer
         if said.failing:
             message, values = verdict.alarm(said, observer.origin, self.settings['bag'],

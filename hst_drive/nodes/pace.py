@@ -47,3 +47,22 @@ class Pace:
             passed = (2 * passed + step - 1) // (2 * step) * step    # the nearest; half: below
         self._last += passed
         return passed / BILLION
+
+
+class Rates:
+    """How often messages come, once that is known for a whole time; ``period`` in s."""
+
+    def __init__(self, period: float):
+        self._period = period
+        self._since, self._before = 0.0, {}
+        self.found: dict[str, float] = {}
+
+    def count(self, now: float, counts: dict[str, int]) -> bool:
+        """Take how many have come by now, s; return whether it is time for that."""
+        passed = now - self._since
+        if passed < 0.5 * self._period:
+            return False    # rclpy's timer may come twice where another one is set anew
+        self.found = {name: (count - self._before[name]) / passed
+                      for name, count in counts.items() if self._before.get(name)}
+        self._since, self._before = now, counts
+        return True

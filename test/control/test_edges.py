@@ -4,6 +4,7 @@
 import math
 
 from hst_drive.control import SafetySettings, Supervisor
+from hst_drive.control.faults import Fault, FAULTS
 import pytest
 
 STEP = 1.0 / 64.0
@@ -30,6 +31,12 @@ class Readings:
         for _ in range(count):
             self.turn = -self.turn
             assert self.give(10.0 + 0.125 * self.turn) == [True]
+
+    def reset(self, later=0.0):
+        """Reset at 0 V."""
+        if self.watch.fault:
+            self.watch.ramp(self.now, 0.0)
+        return self.watch.reset(self.now + later)
 
     @property
     def kind(self):
@@ -76,23 +83,22 @@ def test_a_reset_needs_so_many_good_readings_and_then_counts_from_nothing():
     readings = Readings(bad_readings=3)
     readings.good(2)
     readings.give(math.nan, math.nan, math.nan)
-    watch = readings.watch
-    assert watch.reset(readings.now) == ['the speed reading is not a number']
+    assert readings.reset() == ['the speed reading is not a number']
     readings.good(2)
-    assert watch.reset(readings.now) == ['too few good readings yet']
+    assert readings.reset() == ['too few good readings yet']
     readings.give(math.nan)
     readings.good(2)
-    assert watch.reset(readings.now) == ['too few good readings yet'], 'one in between: again'
+    assert readings.reset() == ['too few good readings yet'], 'one in between: again'
     readings.good(1)
-    assert watch.reset(readings.now) == []
+    assert readings.reset() == []
     for many in (3, 7):
         fresh = Readings(bad_readings=many)
         fresh.watch.press('topic', True, fresh.now)
         fresh.watch.press('topic', False, fresh.now)
         fresh.good(many - 1)
-        assert fresh.watch.reset(fresh.now) == ['too few good readings yet']
+        assert fresh.reset() == ['too few good readings yet']
         fresh.good(1)
-        assert fresh.watch.reset(fresh.now) == []
+        assert fresh.reset() == []
     # What the stop was for does not weigh on the time after it.
     assert readings.give(math.nan, math.nan) == [False, False] and readings.kind is None
     readings.give(math.nan)
@@ -104,12 +110,12 @@ def test_what_stands_against_a_reset_is_told_as_long_as_it_does():
     watch = readings.watch
     watch.wish(readings.now, -1.0)
     readings.good(10)
-    assert watch.reset(readings.now) == ['the set point is not a number in its range']
+    assert readings.reset() == ['the set point is not a number in its range']
     watch.wish(readings.now, 1.0)
-    assert watch.reset(readings.now + 0.25) == []
+    assert readings.reset(0.25) == []
     watch.press('topic', True, readings.now)
     watch.press('service', True, readings.now)
-    assert watch.reset(readings.now + 0.75) == [
+    assert readings.reset(0.75) == [
         'emergency stop is pressed (service)', 'emergency stop is pressed (topic)',
         'no usable speed reading', 'no set point']
 
@@ -118,9 +124,10 @@ def test_a_frozen_reading_is_one_at_once_and_a_reset_begins_its_time_anew():
     readings = Readings(frozen_timeout=1.0)
     assert all(readings.give(*[10.0] * 65)) and readings.kind is None      # 1 s to the digit
     assert readings.give(10.0) == [False] and readings.kind == 'feedback_frozen'
+    assert readings.watch.fault.found == '10 rad/s for 1.02 s'
     readings.good(3)
     readings.give(9.5)
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
     assert all(readings.give(*[9.5] * 64)) and readings.kind is None
     assert readings.give(9.5) == [False] and readings.kind == 'feedback_frozen'
     # It rests, sticks for long while it is not judged, and goes on.
@@ -136,7 +143,7 @@ def test_a_fault_before_the_reset_does_not_count_as_frozen_after_it():
     readings.watch.press('topic', True, readings.now)
     readings.give(*[10.0] * 60)
     readings.watch.press('topic', False, readings.now)
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
     assert all(readings.give(*[10.0] * 60)) and readings.kind is None
 
 
@@ -174,7 +181,7 @@ def test_a_new_level_is_taken_in_once_the_fault_is_there():
     # It comes down by itself: a spike, while there was no fault, moved nothing.
     assert readings.give(20.125) == [False]
     assert readings.give(20.0, 20.125, 20.0) == [True] * 3
-    assert readings.watch.reset(readings.now) == []
+    assert readings.reset() == []
 
 
 def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
@@ -186,7 +193,7 @@ def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
 
 
 @pytest.mark.parametrize('clock, said', [
-    (105.0, '5 s old'), (95.0, '5 s in the future'), (0.0, 'does anybody publish /clock?')])
+    (205.0, '105 s old'), (95.0, '5 s in the future'), (0.0, 'does anybody publish /clock?')])
 def test_what_is_wrong_with_a_stamp_is_told(clock, said):
     readings = Readings(bad_readings=1)
     readings.give(10.0, stamp=100.0, clock=clock)
@@ -207,17 +214,28 @@ def test_times_that_are_just_kept():
                        ('setpoint_timeout', 'setpoint_lost')):
         watch = Supervisor(SafetySettings(**{
             'feedback_timeout': 100.0, 'setpoint_timeout': 100.0, name: 0.5}))
-        watch.wish(1.0, 5.0)
-        watch.feedback(1.0, 1.0, 5.0)
-        watch.check(1.5)
+        watch.wish(0.25, 5.0)
+        watch.feedback(0.25, 0.25, 5.0)
+        watch.check(0.75)
         assert watch.fault is None
-        watch.check(1.5 + STEP)
+        watch.check(0.75 + STEP)
         assert watch.fault.kind == kind and 'for 0.516 s' in watch.fault.found
     watch = Supervisor(SafetySettings(feedback_timeout=1e9, setpoint_timeout=0.0))
     watch.wish(1.0, 5.0)
     watch.feedback(1.0, 1.0, 5.0)
     watch.check(1e6)
     assert watch.fault is None
+
+
+def test_nothing_is_lost_until_both_have_come():
+    for first in ('wish', 'reading'):
+        watch = Supervisor(SafetySettings())
+        if first == 'wish':
+            watch.wish(1.0, 5.0)
+        else:
+            watch.feedback(1.0, 1.0, 5.0)
+        watch.check(100.0)
+        assert watch.fault is None and watch.state == 'waiting'
 
 
 @pytest.mark.parametrize('manual, low, high, unit, kind', [
@@ -258,6 +276,14 @@ def test_the_following_error_at_its_edges():
     assert lagging(1.5 + STEP, following_error_limit=1.5)
     assert not lagging(2.0, seconds=2.0) and lagging(2.0, seconds=2.0 + STEP)
     assert lagging(0.75, setpoint=1.0) and not lagging(0.75, 0.0, setpoint=1.0)
+
+
+@pytest.mark.parametrize('nearer, fault', [(8.0, False), (9.0, False), (9.5, True)])
+def test_an_error_that_falls_to_nine_tenths_begins_a_new_time(nearer, fault):
+    watch = Supervisor(SafetySettings(following_error_timeout=2.0))
+    for now, error in ((0.0, 10.0), (1.5, nearer), (3.0, nearer)):
+        told = watch.lags(now, 10.0, 10.0 - error, 10.0)
+    assert told == fault
 
 
 @pytest.mark.parametrize('error', [1.5, -1.5])
@@ -321,3 +347,25 @@ def test_a_fault_says_what_it_is_and_what_was_found():
     watch.press('topic', True, 2.0)
     assert str(watch.fault) == 'emergency_stop: emergency stop (by topic)'
     assert watch.fault.time == 2.0
+
+
+@pytest.mark.parametrize('kind', [kind for kind in FAULTS if kind != 'emergency_stop'])
+def test_an_emergency_stop_outranks_every_fault_and_nothing_outranks_it(kind):
+    watch = Supervisor(SafetySettings(stop_time=4.0, emergency_stop_time=1.0))
+    watch.fault = Fault(kind, 'found', 1.0)
+    watch.press('topic', True, 2.0)
+    assert watch.fault == Fault('emergency_stop', 'by topic', 2.0)
+    watch.press('service', True, 3.0)
+    watch.wish(3.0, -1.0)
+    watch.formed(3.0, 11.0)
+    watch.end(3.0)
+    assert watch.fault == Fault('emergency_stop', 'by topic', 2.0), 'the first one is told'
+
+
+def test_the_defaults_are_those_that_the_table_of_faults_tells():
+    assert vars(SafetySettings()) == {
+        'feedback_timeout': 0.25, 'setpoint_timeout': 0.5, 'stamp_tolerance': 1.0,
+        'frozen_timeout': 1.0, 'bad_readings': 3, 'speed_limit': 30.0,
+        'acceleration_limit': 1500.0, 'following_error_limit': 3.0,
+        'following_error_timeout': 5.0, 'stop_time': 1.0, 'emergency_stop_time': 0.3,
+        'start_after_reset': True}

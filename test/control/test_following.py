@@ -115,7 +115,7 @@ def test_what_is_no_fault():
     loop = Loop(lambda command, time: math.nan if round(time / STEP) % 7 == 3 else 0.0)
     assert loop.run(1.5 * TIMEOUT)
     # A reset begins anew.
-    loop = Loop(lambda command, time: 0.0)
+    loop = Loop(lambda command, time: 0.0, start_after_reset=False)
     loop.run(0.9 * TIMEOUT)
     loop.watch.wish(loop.now, -1.0)
     loop.watch.wish(loop.now, 1.0)

@@ -158,7 +158,7 @@ def test_a_law_gone_wrong_is_not_sent(value):
 
 
 def test_a_reset_needs_the_cause_gone_and_returns_without_a_bump():
-    loop = Loop()
+    loop = Loop(start_after_reset=False)
     loop.run(300)
     loop.command = 6.0
     loop.watch.press('topic', True, loop.now)
@@ -253,6 +253,7 @@ def test_a_stop_goes_over_to_the_next_supervisor_and_an_end_does_not():
     second.inherit(loop.watch)
     assert second.fault.kind == 'emergency_stop' and 'service' in second.reset(9.0)[0]
     second.press('service', False, 9.0)
+    assert second.ramp(9.0, 0.0) == 0.0
     assert second.reset(9.0) == [] and second.fault is None
     loop = Loop()
     loop.run(100)

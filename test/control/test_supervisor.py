@@ -101,6 +101,6 @@ def test_zero_is_said_after_the_first_step_of_each_ramp_that_gives_it():
     assert after.state == 'stopping'
     assert after.ramp(2.1, 0.0) == 0.0 and after.state == 'stopped'
     watch.press('topic', False, 3.0)
-    assert watch.reset(3.0) == [] and watch.state == 'waiting'
+    assert watch.reset(3.0) == [] and watch.state == 'waiting' and watch.held
     watch.press('topic', True, 4.0)
     assert watch.state == 'stopping', 'the zero of the stop before does not count'

@@ -38,6 +38,7 @@ class Machine:
         self.node.create_subscription(DiagnosticArray, '/diagnostics', self._told, 100)
         self.stopper = self.node.create_client(SetBool, 'controller/emergency_stop')
         self.resetter = self.node.create_client(Trigger, 'controller/reset')
+        self.starter = self.node.create_client(Trigger, 'controller/start')
         self.commands, self.told, self.count = [], {}, 0
 
     def _commanded(self, message):
@@ -109,11 +110,18 @@ class Machine:
         from std_srvs.srv import Trigger
         return self.call(self.resetter, Trigger.Request(), **what)
 
+    def start(self, **what):
+        from std_srvs.srv import Trigger
+        return self.call(self.starter, Trigger.Request(), **what)
+
     def run_up(self, **what):
-        """Reset what is left of the last test, and go on until there is a command to lose."""
+        """Reset and start what is left of the last test; go on until there is a command."""
         def running():
             if self.told.get('fault'):
                 self.reset(**what)
+                self.told = {}
+            if self.told.get('state') == 'ready':
+                self.start(**what)
                 self.told = {}
             return self.commands and self.commands[-1][1] > 5.0 \
                 and self.told.get('state') == 'running'

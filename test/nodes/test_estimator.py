@@ -28,8 +28,8 @@ def bag(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def found(bag):
-    """Return by topic the rows of time (s of the run) and numbers; and the words of the watch."""
-    store, rows, words = get_typestore(Stores.ROS2_JAZZY), {}, []
+    """Return by topic the rows of time (s of the run) and numbers; words and verdicts."""
+    store, rows, words, verdicts = get_typestore(Stores.ROS2_JAZZY), {}, [], []
     with Reader(bag) as reader:
         for connection, _, data in reader.messages():
             message = store.deserialize_cdr(data, connection.msgtype)
@@ -37,6 +37,10 @@ def found(bag):
             time = stamp.sec - 1 + 1e-9 * stamp.nanosec
             if connection.msgtype.endswith('DiagnosticArray'):
                 words += [(time, status) for status in message.status]
+                continue
+            if connection.topic == '/drive/verdict':
+                verdicts.append((time, *(list(getattr(message, name)) for name in (
+                    'name', 'position', 'velocity', 'effort'))))
                 continue
             if connection.msgtype.endswith('JointState'):
                 numbers = (message.velocity[0], message.effort[0])
@@ -47,7 +51,7 @@ def found(bag):
             else:
                 numbers = (message.vector.x, message.vector.y, message.vector.z)
             rows.setdefault(connection.topic.removeprefix('/drive/'), []).append((time, *numbers))
-    return {name: np.array(values) for name, values in rows.items()}, words
+    return {name: np.array(values) for name, values in rows.items()}, words, verdicts
 
 
 def truth_at(rows, times):
@@ -65,7 +69,7 @@ def truth_at(rows, times):
 
 
 def test_figures_are_the_truth_within_one_percent_steady_and_changing(found):
-    rows, _ = found
+    rows, *_ = found
     times = rows['efficiency'][:, 0]
     volumetric, mechanical, _, pressure = truth_at(rows, times)
     # From the touch of the bit on: below 10 bar the torque sensor's noise alone is 1 %.
@@ -80,7 +84,7 @@ def test_figures_are_the_truth_within_one_percent_steady_and_changing(found):
 
 
 def test_uncertainties_come_with_every_figure_and_hold_the_truth(found):
-    rows, _ = found
+    rows, *_ = found
     times, stated = rows['efficiency'][:, 0], rows['efficiency_uncertainty']
     assert np.array_equal(stated[:, 0], times)
     volumetric, mechanical, _, _ = truth_at(rows, times)
@@ -91,7 +95,7 @@ def test_uncertainties_come_with_every_figure_and_hold_the_truth(found):
 
 
 def test_resistances_are_the_plants_once_the_range_was_visited(found):
-    rows, words = found
+    rows, words, _ = found
     # The buckets remember the time before the wear; at 10 bar the leakage is next to nothing.
     before = rows['leakage_resistance'][rows['leakage_resistance'][:, 0] < BEGIN]
     before = before[before[:, 0] > 8]
@@ -123,7 +127,7 @@ def test_resistances_are_the_plants_once_the_range_was_visited(found):
 
 
 def test_the_watch_names_the_effect_within_seconds_and_points_to_the_section(found, bag):
-    _, words = found
+    _, words, _ = found
     said = [(time, status) for time, status in words if status.name == '/drive/estimator: watch']
     assert {status.level for time, status in said if 3 < time < BEGIN} == {0}
     alarms = [(time, status) for time, status in said if status.level == 1]
@@ -142,8 +146,26 @@ def test_the_watch_names_the_effect_within_seconds_and_points_to_the_section(fou
     assert low < BEGIN < high <= SECONDS
 
 
+def test_the_verdict_is_for_machines(found, bag):
+    _, words, verdicts = found
+    told = {time: status for time, status in words if status.name == '/drive/estimator: watch'
+            and status.level < 2}
+    # One for each block that is judged, and whoever reads joints by name reads this.
+    assert [time for time, *_ in verdicts] == list(told)
+    alarms = [verdict for verdict in verdicts if verdict[1]]
+    assert [time for time, *_ in alarms] == [
+        time for time, status in told.items() if status.level == 1]
+    assert BEGIN < alarms[0][0] <= BEGIN + 6
+    for time, names, sizes, shares, since in alarms:
+        assert names[0] == 'motor_leakage' and 0.5 < shares[0] <= 1.0 + 1e-9
+        assert list(shares) == sorted(shares, reverse=True)
+        assert time - since[0] == pytest.approx(BEGIN, abs=2.0)
+        assert len(names) == len(sizes) == len(shares) == len(since)
+    assert alarms[-1][2][0] == pytest.approx(LEAKAGE, rel=0.03)
+
+
 def test_residuals_say_which_balance_and_how_much(found):
-    rows, _ = found
+    rows, *_ = found
     late = rows['motor_flow_residual'][rows['motor_flow_residual'][:, 0] > BEGIN + 2]
     pressure = truth_at(rows, late[:, 0] - 0.5)[3]
     assert late[:, 1] == pytest.approx(LEAKAGE * pressure, rel=0.15)
@@ -154,7 +176,7 @@ def test_residuals_say_which_balance_and_how_much(found):
 
 
 def test_nothing_in_the_bag_is_nan_and_times_rise(found, bag):
-    rows, _ = found
+    rows, *_ = found
     assert all(np.isfinite(values).all() for values in rows.values())
     times = [time for _, time, _ in messages(bag)]
     assert times == sorted(times)

@@ -108,8 +108,9 @@ def test_the_service_stops(machine):
     goes_to_zero(machine, 'emergency_stop', EMERGENCY)
     assert not machine.reset().success
     assert machine.call(machine.stopper, SetBool.Request(data=False)).success
-    count = len(machine.commands)
     assert machine.reset().success
+    count = len(machine.commands)
+    assert machine.start().success
     machine.until(lambda: machine.told.get('state') == 'running')
     machine.run_up()
     # It goes on from zero by the integral: no step of kp * e, no rest of the old integral.
@@ -128,6 +129,48 @@ def test_a_reset_is_refused_while_the_cause_is_there(machine):
     assert machine.reset().success
 
 
+def test_a_reset_starts_nothing_and_each_step_is_in_the_log():
+    """Stop, release, reset, start by the set point, by the service, and the end: who and what."""
+    from std_msgs.msg import Bool
+    with surroundings('sixth') as machine, node(
+            'controller', '-r', '__ns:=/sixth', *TIMES, '-p', 'feedback_timeout:=20.0',
+            '-p', 'setpoint_timeout:=20.0') as process:
+        machine.run_up()
+        for way in ('setpoint', 'service'):
+            machine.stop.publish(Bool(data=True))
+            machine.until(lambda: machine.told.get('at_zero') == 'true')
+            machine.stop.publish(Bool(data=False))
+            machine.until(lambda: machine.told.get('against_reset') == '')
+            assert 'emergency_stop' in machine.start().message
+            assert machine.reset().success
+            machine.told = {}
+            machine.until(lambda: machine.told.get('state') == 'ready')
+            assert machine.told['level'] == b'\1' and '~/start' in machine.told['message']
+            assert 'reset by service (/sixth/machine): done' == machine.told['last_event']
+            count = len(machine.commands)
+            machine.until(lambda: len(machine.commands) > count + 50)
+            # The amplifier's watchdog is fed, with zeros, while a set point stands.
+            assert not any(value for _, value in machine.commands[count:])
+            if way == 'setpoint':
+                machine.tick(wish=0.0)
+            else:
+                assert machine.start().success
+            machine.until(lambda: machine.commands[-1][1] > 1.0 or machine.told.get('fault'))
+            assert not machine.told.get('fault'), machine.told
+            first = next(value for _, value in machine.commands[count:] if value)
+            assert first < 0.5, 'kp * 19 rad/s is 0.38 V; the old integral was 5 V'
+    said = [line.partition(': ')[2] for line in process.err.splitlines() if '[INFO]' in line]
+    by_topic, by_service = '(/sixth/machine)', 'by service (/sixth/machine): '
+    stop = [f'emergency stop pressed by topic {by_topic}',
+            f'emergency stop released by topic {by_topic}',
+            f'start {by_service}refused: stopped: emergency_stop: emergency stop (by topic)',
+            f'reset {by_service}done']
+    start = f'the drive starts; speed_setpoint is %s {by_topic}'
+    assert said[:-1] == [start % 19, *stop, start % 0, *stop, f'start {by_service}done',
+                         start % 19]
+    assert said[-1].startswith('the drive ends; it was running, at ')
+
+
 def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_heard():
     from std_msgs.msg import Bool
     apart = '-r', '__ns:=/other'
@@ -138,6 +181,8 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
             goes_to_zero(machine, 'command_invalid', wish=None, manual=11.0)
             machine.until(lambda: machine.told.get('against_reset') == '', manual=6.0)
             assert machine.reset(manual=6.0).success
+            machine.until(lambda: machine.told.get('state') == 'ready', wish=None, manual=6.0)
+            machine.tick(wish=None, manual=0.0)
             machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
         machine.until(lambda: machine.commands[-1][1] == 0.0, wish=None, manual=6.0)
         machine.until(lambda: machine.told['state'] == 'stopped', wish=None, manual=6.0)
