@@ -46,6 +46,8 @@ setup(
     version=version(),
     description='Hydrostatic rotary drive of a drill rig: model, nodes, and what the model lacks',
     author='hst_drive contributors',
+    author_email='maintainers@hst-drive.example',
+    url='https://hst-drive.example',
     maintainer='hst_drive contributors',
     maintainer_email='maintainers@hst-drive.example',
     license='Apache-2.0',

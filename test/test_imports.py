@@ -32,7 +32,7 @@ ONLY_IN = {
     'std_msgs': {'nodes'}, 'std_srvs': {'nodes'}, 'lifecycle_msgs': {'nodes'},
     'sensor_msgs': {'nodes'}, 'geometry_msgs': {'nodes'},
     'diagnostic_msgs': {'nodes'}, 'rosgraph_msgs': {'nodes'}, 'ros2cli': {'cli'},
-    'mcap': {'bag'}, 'lz4': {'bag'}, 'zstandard': {'bag'}, 'sqlite3': {'bag'},
+    'mcap': {'bag'}, 'rosbag2_py': {'bag'}, 'lz4': {'bag'}, 'zstandard': {'bag'}, 'sqlite3': {'bag'},
     'yaml': {'rig', 'bag', 'load', 'nodes', 'cli', 'diagnose', 'report'}, 'numba': {'model'},
     'matplotlib': {'cli', 'report'}, 'plotly': {'report', 'workbench'}, 'dash': {'workbench'},
     'distributed': {'fleet'},
