@@ -66,7 +66,7 @@ setup(
     entry_points={
         'console_scripts': [
             'hst-drive = hst_drive.cli:main',
-            *(f'{node} = hst_drive.nodes.{node}:main' for node in (*NODES, 'manager')),
+            *(f'{node} = hst_drive.nodes.entry:{node}' for node in (*NODES, 'manager')),
         ],
         'ros2cli.command': ['hst = hst_drive.cli.ros2:HstCommand'],
         # Effects of other packages: name = module:EFFECT.
