@@ -46,6 +46,8 @@ setup(
     version=version(),
     description='Hydrostatic rotary drive of a drill rig: model, nodes, and what the model lacks',
     author='hst_drive contributors',
+    author_email='maintainers@hst-drive.example',
+    url='https://hst-drive.example',
     maintainer='hst_drive contributors',
     maintainer_email='maintainers@hst-drive.example',
     license='Apache-2.0',
@@ -64,7 +66,7 @@ setup(
     entry_points={
         'console_scripts': [
             'hst-drive = hst_drive.cli:main',
-            *(f'{node} = hst_drive.nodes.{node}:main' for node in (*NODES, 'manager')),
+            *(f'{node} = hst_drive.nodes.entry:{node}' for node in (*NODES, 'manager')),
         ],
         'ros2cli.command': ['hst = hst_drive.cli.ros2:HstCommand'],
         # Effects of other packages: name = module:EFFECT.

@@ -25,7 +25,8 @@ BAGS = ('mcap', 'mcap_ros2', 'rosbags')
 NEEDS = {
     **dict.fromkeys(('bag/test_bags.py', 'bag/test_blocks.py', 'bag/test_cdr.py',
                      'bag/test_channels.py', 'bag/test_csv_log.py', 'bag/test_foreign.py',
-                     'bag/test_fuzz.py', 'bag/test_long_bag.py', 'bag/test_recovery.py'), BAGS),
+                     'bag/test_fuzz.py', 'bag/test_long_bag.py', 'bag/test_recovery.py',
+                     'bag/test_rosbag2_py.py'), BAGS),
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_joints.py', 'nodes/test_rates.py',

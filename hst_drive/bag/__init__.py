@@ -20,10 +20,11 @@ from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 
 __all__ = ['BagWriter', 'ChannelMap', 'Section', 'bag_sections', 'csv_sections', 'cut_log',
-           'is_bag', 'load_channel_map', 'read_bag', 'read_csv', 'read_log', 'recover',
-           'recover_command', 'write_csv', 'write_run']
+           'find_storage', 'is_bag', 'load_channel_map', 'read_bag', 'read_csv', 'read_log',
+           'recover', 'recover_command', 'write_csv', 'write_run']
 _ON_USE = {'BagWriter': 'writer', 'write_run': 'writer', 'read_bag': 'signals',
-           'bag_sections': 'long_bag', 'recover': 'recovery', 'recover_command': 'mcap_bag'}
+           'bag_sections': 'long_bag', 'recover': 'recovery', 'recover_command': 'mcap_bag',
+           'find_storage': 'storage'}
 
 
 def __getattr__(name: str):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from hst_drive.bag.kinds import by_number, is_mcap
 from hst_drive.bag.mcap_bag import salvage_streams
+from hst_drive.bag.mcap_sink import McapSink
 from hst_drive.bag.stream import Stream
 from hst_drive.bag.writer import BagWriter
 from hst_drive.errors import InputError
@@ -69,7 +70,7 @@ def recover(path: str | os.PathLike[str], folder: str | os.PathLike[str]) -> Rec
     if not rows:
         raise InputError(f'{path}: not a single message can be read')
     rows.sort(key=itemgetter(0))    # as written: stamps say less if the clock was set back
-    with BagWriter(folder) as bag:
+    with BagWriter(folder, sink=McapSink) as bag:   # keeps definitions that are nowhere else
         for stream in streams.values():
             bag.add_topic(stream.topic, stream.type, stream.definition,
                           stream.metadata.get('topic_type_hash', ''),

@@ -12,7 +12,8 @@ from typing import Any
 
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.kinds import by_number, is_finished, is_mcap
-from hst_drive.bag.packages import on_use
+from hst_drive.bag.packages import MissingPackage, on_use
+from hst_drive.bag.storage import find_storage
 from hst_drive.bag.stream import BLOCK, Stream
 from hst_drive.errors import InputError
 import yaml
@@ -86,10 +87,13 @@ def bag_blocks(path: Path, wanted: Callable[[str], bool],
 def _read_file(file: Path, wanted: Callable[[str], bool], path: Path) -> Iterator[list[Stream]]:
     if file.suffix == '.db3':
         return _read_sqlite(file, wanted)
-    mcap_bag = on_use('hst_drive.bag.mcap_bag')
     if is_mcap(file) and not is_finished(file):
-        raise mcap_bag.cut_error(file, path)
-    return mcap_bag.read_streams(file, wanted)
+        try:
+            raise on_use('hst_drive.bag.mcap_bag').cut_error(file, path)
+        except MissingPackage as error:
+            raise InputError(f'{path}: the bag was cut off (its end is missing); to save what '
+                             f'can be read of it {error}') from None
+    return find_storage().read_streams(file, wanted)
 
 
 def _read_metadata(metadata: Path) -> dict[str, Any]:

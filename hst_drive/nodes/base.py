@@ -7,7 +7,6 @@ import argparse
 from collections.abc import Callable
 import gc
 import os
-import re
 import signal
 import sys
 import threading
@@ -20,13 +19,11 @@ from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.endpoints import Input, Output, partners_of, topic_named
 from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
 from hst_drive.nodes.priority import go_before_others
+from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from hst_drive.nodes.session import PARENT
 import rclpy
 from rclpy.clock import Clock, ClockType
-from rclpy.exceptions import (InvalidParameterTypeException, InvalidParameterValueException,
-                              ParameterException)
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -36,9 +33,6 @@ GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 _AGAIN = 0.5    # s; from one word that we are ready to the next
 _TURN = 0.1     # s; how soon a signal is seen while no message comes
-_PLACE = re.compile(r', at \S+:\d+')    # in rcl's own source
-_WRONG_TYPE = re.compile(
-    r"Trying to set parameter '(\S+)' to '(.*)' of type '(\w+)', expecting type '(\w+)'.*")
 _CALL = 60.0    # s; of one call of the executor
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 _LONGEST_END = 20.0    # s; nor may the middleware
@@ -57,11 +51,12 @@ class DriveNode(Node):
     """
 
     role = ''
+    managed = False
     parameters: tuple[Parameter, ...] = ()
 
     def __init__(self):
         super().__init__(self.role, namespace=NAMESPACE.strip('/'))
-        self.settings = declare(self, COMMON + self.parameters)
+        self.settings = declare(self, COMMON + self.parameters, self.managed)
         self._tell_unused(of_topics=False)
         if self.settings['priority']:
             go_before_others(self.settings['priority'])
@@ -77,10 +72,6 @@ class DriveNode(Node):
         self.answers: sync.Answers | None = None
         self._wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._parent = int(os.environ.get(PARENT, 0))
-        for name in self.partners:
-            if name not in wiring.NODES:
-                raise InputError(f"{self.role}: parameter partners: unknown node '{name}'; "
-                                 f"expected some of {', '.join(wiring.NODES)}")
 
     def configure(self) -> None:
         """Build what the node works with from its parameters."""
@@ -191,20 +182,6 @@ def _executor():
         return SingleThreadedExecutor()
 
 
-def cannot_start(text: str) -> str:
-    """Return in one line what rcl or the middleware complain of at start, and what to do."""
-    lines = (_PLACE.sub('', line).strip().rstrip(',') for line in text.splitlines())
-    reason = '; '.join(filter(None, lines)).replace('error not set', 'no reason given')
-    if os.environ.get('ROS_SECURITY_ENABLE', '').lower() == 'true':
-        advice = ('ROS_SECURITY_ENABLE=true needs keys in ROS_SECURITY_KEYSTORE and a Fast DDS '
-                  'with its security libraries, which ROS 2 by apt has and its wheels have not: '
-                  'see docs/integration.md, Security')
-    else:
-        advice = ('mend what follows --ros-args, ROS_DOMAIN_ID (0 to 101) or the other ROS_ '
-                  'variables')
-    return f'RCLError: {reason}: {advice}'
-
-
 def _is_managed(args: list[str], node_class: type[DriveNode]) -> bool:
     """Return whether the node waits for transitions; refuse other arguments than ROS's."""
     parser = argparse.ArgumentParser(
@@ -303,12 +280,10 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         code = node.exit_code or 0
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except (InputError, ParameterException, InvalidParameterTypeException,
-            InvalidParameterValueException) as error:
-        told = _WRONG_TYPE.sub(r'parameter \1 is \2 (\3), expected \4', str(error))
-        print(f'{node_class.role}: {told}', file=sys.stderr, flush=True)
+    except WRONG_INPUT as error:
+        tell_wrong_input(node_class.role, error)
         code = 2
-    except (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError) as error:
+    except CANNOT_START as error:
         if executor is not None:
             raise
         print(f'{node_class.role}: {cannot_start(str(error))}', file=sys.stderr, flush=True)

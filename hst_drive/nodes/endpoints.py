@@ -15,6 +15,7 @@ from hst_drive.bag.joints import JointChoice
 from hst_drive.bag.topics import (ATMOSPHERE, Field, FLUID_PRESSURE, JOINT_STATE, Qos,
                                   TEMPERATURE, Topic, TOPICS, TRUTH)
 from hst_drive.errors import InputError
+from hst_drive.nodes.wiring import SENSORS
 from hst_drive.units import canonical, UNITS
 from rclpy.publisher import Publisher
 from rclpy.qos import (DurabilityPolicy, qos_check_compatible, QoSCompatibility, QoSProfile,
@@ -232,9 +233,13 @@ class Input:
         self._choice = JointChoice(node.settings[joint]) if joint else None
         self._node = node
         self._log = node.get_logger()
+        # As for sensor data: that takes publishers that are reliable and those that are not. In
+        # lockstep a lost reading would stop the run.
+        wanted = topic.qos if node.lockstep or topic.name not in SENSORS else topic.qos._replace(
+            reliability='best_effort')
         with _wrong_override(node, topic.name):
             self.subscription = node.create_subscription(
-                message_class(topic.type), topic.name, self._received, qos_profile(topic.qos),
+                message_class(topic.type), topic.name, self._received, qos_profile(wanted),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(), raw=True)
 
     def _received(self, data: bytes) -> None:

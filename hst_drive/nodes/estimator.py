@@ -50,7 +50,8 @@ class Estimator(DriveNode):
                   '1', 0.0, 0.5),
         Parameter('torque_accuracy', 1.0, 'standard uncertainty of the torque sensor', 'N.m', 0.0,
                   1e4),
-        Parameter('extra_topics', [], 'readings that are off by default and come in this run'),
+        Parameter('extra_topics', [], 'readings that are off by default and come in this run',
+                  choices=wiring.SENSORS),
         Parameter('bag', '', 'bag that records this run, for the pointer to it'),
     )
 

@@ -7,6 +7,8 @@ import functools
 import traceback
 
 from hst_drive.errors import InputError
+from lifecycle_msgs.msg import State
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.lifecycle import LifecycleNodeMixin, TransitionCallbackReturn
 
 _KINDS = ('publisher', 'subscription', 'timer', 'service', 'client')
@@ -16,6 +18,7 @@ def managed(node_class):
     """
     Return the class of a node that is configured and activated from outside.
 
+    * unconfigured: parameters can be set, with the checks of a start.
     * configure: the parameters are turned into what the node works with; what is wrong is
       logged, and the node stays unconfigured.
     * activate: the endpoints open; no topic of ours exists in another state. Each activation
@@ -25,6 +28,7 @@ def managed(node_class):
     * an exception in a transition is logged, what is open is closed, the node is unconfigured.
     """
     class Managed(LifecycleNodeMixin, node_class):
+        managed = True
         _opening = 0    # which one it is; 0: none
 
         def __init__(self):
@@ -33,6 +37,29 @@ def managed(node_class):
             self._opened_before: set | None = None
             self._fresh = False
             LifecycleNodeMixin.__init__(self)
+            self._declared = {entry.name: entry for entry in self.parameters}
+            self.add_on_set_parameters_callback(self._judge_setting)
+            self.add_post_set_parameters_callback(self._take_settings)
+
+        def _judge_setting(self, parameters) -> SetParametersResult:
+            """Take what ``configure`` reads only before it, and only what it could be given."""
+            state = self._state_machine.current_state
+            try:
+                for entry in parameters:
+                    known = self._declared.get(entry.name)
+                    if known is None:
+                        continue
+                    if not known.live and state[0] != State.PRIMARY_STATE_UNCONFIGURED:
+                        raise InputError(f'parameter {entry.name} is read when the node is '
+                                         f'configured; it is {state[1]}: clean it up first')
+                    known.read(entry.value)
+            except InputError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+            return SetParametersResult(successful=True)
+
+        def _take_settings(self, parameters) -> None:
+            self.settings.update({entry.name: self._declared[entry.name].read(entry.value)
+                                  for entry in parameters if entry.name in self._declared})
 
         def on_configure(self, state) -> TransitionCallbackReturn:
             self._fresh = True
@@ -104,7 +131,7 @@ def managed(node_class):
             try:
                 step()
             except InputError as error:
-                self.get_logger().error(str(error))
+                self.get_logger().error(str(error).removeprefix(f'{self.role}: '))
                 return TransitionCallbackReturn.FAILURE
             except Exception:
                 # rclpy would take it without a word.

@@ -9,6 +9,7 @@ import time
 
 from hst_drive.errors import InputError
 from hst_drive.nodes.parameters import declare, Parameter
+from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 import rclpy
@@ -34,14 +35,18 @@ class Refused(Exception):
 class Manager(Node):
     """Takes the nodes of its parameter, in its own namespace, through their states."""
 
+    role = 'manager'
+    parameters = (
+        Parameter('nodes', [], 'nodes to bring up, in this order'),
+        Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
+                  3600.0),
+        Parameter('bring_back', False, 'bring a node up again that was restarted; with a '
+                  'controller that may move the bit'),
+    )
+
     def __init__(self):
         super().__init__('manager', namespace='drive')
-        settings = declare(self, (
-            Parameter('nodes', [], 'nodes to bring up, in this order'),
-            Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
-                      3600.0),
-            Parameter('bring_back', False, 'bring a node up again that was restarted; with a '
-                      'controller that may move the bit')))
+        settings = declare(self, self.parameters)
         self.names, self.patience = settings['nodes'], settings['patience']
         self._bring_back = settings['bring_back']
         self._seen: dict[str, str] = {}     # state by node, where it is not active
@@ -143,12 +148,12 @@ class Manager(Node):
 
 def main(args: list[str] | None = None) -> int:
     """Bring the nodes up, wait for SIGINT or SIGTERM, bring them down."""
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     signals: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda received, _: signals.append(received))
     node, code = None, 0
     try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         if own := remove_ros_args(sys.argv if args is None else args)[1:]:
             raise InputError(f"manager: unknown argument '{own[0]}'; give parameters as "
                              '--ros-args -p NAME:=VALUE')
@@ -164,9 +169,14 @@ def main(args: list[str] | None = None) -> int:
     except Refused as problem:
         print(f'manager: {problem}', file=sys.stderr, flush=True)
         code = 1
-    except InputError as error:
-        print(error, file=sys.stderr, flush=True)
+    except WRONG_INPUT as error:
+        tell_wrong_input('manager', error)
         code = 2
+    except CANNOT_START as error:
+        if node is not None:
+            raise
+        print(f'manager: {cannot_start(str(error))}', file=sys.stderr, flush=True)
+        code = 1
     finally:
         if node is not None:
             node.bring_down()

@@ -1,11 +1,14 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of a node from one declaration: default, description, unit, range."""
+"""Parameters of a node from one declaration: default, description, unit, range, choices."""
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
+from hst_drive.errors import InputError
+from hst_drive.nodes import wiring
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.parameter import Parameter as RosParameter
 
@@ -19,8 +22,9 @@ class Parameter(NamedTuple):
     """
     One parameter of a node.
 
-    ``low`` and ``high`` bound a number (both or none). A parameter that is not ``live`` is read
-    when the node is configured and says that it is read-only.
+    ``low`` and ``high`` bound a number (both or none); ``choices`` are the texts that there are.
+    A ``live`` parameter counts at once. Any other is read when the node is configured, and
+    read-only where that happens once; ``at_start`` is one that is read before.
     """
 
     name: str
@@ -30,14 +34,21 @@ class Parameter(NamedTuple):
     low: float | None = None
     high: float | None = None
     live: bool = False
+    choices: tuple[str, ...] = ()
+    at_start: bool = False
 
-    def descriptor(self) -> ParameterDescriptor:
+    def descriptor(self, managed: bool = False) -> ParameterDescriptor:
         """Return what ``ros2 param describe`` shows."""
         unit = f' [{self.unit}]' if self.unit else ''
+        constraints = [f'unit: {self.unit}'] * bool(self.unit)
+        if self.choices:
+            some = 'some' if isinstance(self.default, list) else 'one'
+            constraints.append(f'{some} of: {", ".join(self.choices)}')
         result = ParameterDescriptor(
             name=self.name, type=_TYPES[type(self.default)].value,
-            description=f'{self.description}{unit}', read_only=not self.live,
-            additional_constraints=f'unit: {self.unit}' if self.unit else '')
+            description=f'{self.description}{unit}',
+            read_only=not self.live and (self.at_start or not managed),
+            additional_constraints='; '.join(constraints))
         if self.low is not None and self.high is not None:
             if isinstance(self.default, float):
                 result.floating_point_range = [FloatingPointRange(
@@ -47,16 +58,34 @@ class Parameter(NamedTuple):
                     from_value=int(self.low), to_value=int(self.high), step=1)]
         return result
 
+    def read(self, value: Any) -> Any:
+        """
+        Return the value as a node works with it.
 
-def declare(node, parameters: tuple[Parameter, ...]) -> dict[str, Any]:
+        Raises
+        ------
+        InputError
+            If it is none of the choices.
+
+        """
+        listed = isinstance(self.default, list)
+        value = [text for text in value if text] if listed else value
+        wrong = [text for text in (value if listed else [value]) if text not in self.choices]
+        if self.choices and wrong:
+            near = get_close_matches(wrong[0], self.choices, n=1)
+            raise InputError(f"parameter {self.name}: '{wrong[0]}' is none of its values; " + (
+                f"did you mean '{near[0]}'?" if near else f'expected {", ".join(self.choices)}'))
+        return value
+
+
+def declare(node, parameters: Iterable[Parameter], managed: bool = False) -> dict[str, Any]:
     """Declare the parameters and return their values by name."""
     values = {}
     for parameter in parameters:
-        listed = isinstance(parameter.default, list)
         # rclpy takes an empty list for one of bytes: [''] stands for no texts.
-        default = parameter.default or [''] if listed else parameter.default
-        value = node.declare_parameter(parameter.name, default, parameter.descriptor()).value
-        values[parameter.name] = [text for text in value if text] if listed else value
+        default = [''] if parameter.default == [] else parameter.default
+        values[parameter.name] = parameter.read(node.declare_parameter(
+            parameter.name, default, parameter.descriptor(managed)).value)
     return values
 
 
@@ -80,12 +109,32 @@ def undeclared(node, of_topics: bool) -> list[str]:
 
 
 COMMON = (
-    Parameter('lockstep', False, 'simulated time: the nodes wait for each other in every step'),
+    Parameter('lockstep', False, 'simulated time: the nodes wait for each other in every step',
+              at_start=True),
     Parameter('partners', [], 'nodes that this run consists of; the plant starts when all are '
-              'connected and, in lockstep, waits for them'),
+              'connected and, in lockstep, waits for them', choices=wiring.NODES, at_start=True),
     Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock, and the '
-              'plant sends readings in bursts'),
+              'plant sends readings in bursts', at_start=True),
     Parameter('priority', 0, 'real-time priority (SCHED_RR), before all ordinary work of the '
-              'machine; 0: ordinary', low=0, high=99),
+              'machine; 0: ordinary', low=0, high=99, at_start=True),
 )
 """Parameters that every node has."""
+
+
+def markdown(nodes: Mapping[str, Iterable[Parameter]]) -> str:
+    """Return the parameters by node as Markdown for the documentation."""
+    lines = []
+    for name, parameters in nodes.items():
+        lines += [f'## {name}', '', '| parameter | default | unit | range or choices | may change '
+                  '| what it is |', '|---|---|---|---|---|---|']
+        for entry in parameters:
+            limits = (f'{entry.low:g} to {entry.high:g}' if entry.low is not None
+                      else ', '.join(entry.choices))
+            default = str(entry.default).lower() if isinstance(
+                entry.default, bool) else repr(entry.default)
+            when = ('at any time' if entry.live else
+                    'at start' if entry.at_start else 'until configured')
+            lines.append(f'| `{entry.name}` | `{default}` | {entry.unit} | {limits} | {when} | '
+                         f'{entry.description} |')
+        lines.append('')
+    return '\n'.join(lines)

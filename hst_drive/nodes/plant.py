@@ -50,7 +50,8 @@ class Plant(DriveNode):
                   '1', 0.0, 1e4),
         Parameter('partner_timeout', 30.0, 'in lockstep: how long to wait for a partner', 's',
                   0.1, 600.0),
-        Parameter('extra_topics', [], 'readings that are off by default and shall be published'),
+        Parameter('extra_topics', [], 'readings that are off by default and shall be published',
+                  choices=wiring.SENSORS),
         Parameter('truth', False, 'publish the values without noise under truth/ as well'),
         Parameter('progress', False, 'tell the progress on standard output'),
     )

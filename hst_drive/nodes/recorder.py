@@ -41,7 +41,8 @@ class Recorder(DriveNode):
         Parameter('output', '', 'folder to create'),
         Parameter('topics', [], 'full names of topics to record; empty: those of the table that '
                   'the partners publish'),
-        Parameter('extra_topics', [], 'readings of the plant that are off by default'),
+        Parameter('extra_topics', [], 'readings of the plant that are off by default',
+                  choices=wiring.SENSORS),
         Parameter('truth', False, 'record the values without noise as well'),
         Parameter('notes', [], "name=value pairs to keep in the bag's metadata"),
     )

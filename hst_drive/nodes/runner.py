@@ -42,7 +42,7 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
         If a node dies; the bag is closed.
 
     """
-    _ = bag.BagWriter   # says what to install where bags cannot be written
+    bag.find_storage()   # says what to install where bags cannot be written
     signals: list[int] = []
     progress = {'time': 0.0, 'wall': 0.0, 'messages': 0, 'end': False}
     before = {number: signal.signal(number, lambda got, _: signals.append(got))

@@ -10,6 +10,9 @@ from hst_drive.bag.topics import TOPICS, WITH_READING
 from hst_drive.errors import InputError
 
 NODES = ('plant', 'load_profile', 'controller', 'estimator', 'recorder')
+SENSORS = tuple(name for name, topic in TOPICS.items() if topic.publisher == 'plant'
+                and topic.recorded and not name.startswith('/'))
+"""Topics of the plant that a rig's sensors would publish."""
 
 READS: dict[str, tuple[str, ...]] = {
     'plant': ('pump_command', 'pprv_command', 'oil_temperature_command', 'sync'),
@@ -38,15 +41,13 @@ def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
         If a name is not one of the plant's topics.
 
     """
-    own = {name: topic for name, topic in TOPICS.items()
-           if topic.publisher == 'plant' and topic.recorded and not name.startswith('/')}
     extra = tuple(extra)
     for name in extra:
-        if name not in own:
-            near = get_close_matches(name, own, n=1)
+        if name not in SENSORS:
+            near = get_close_matches(name, SENSORS, n=1)
             raise InputError(f"topic '{name}' is none of the plant's; " + (
-                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(own)}"))
-    return tuple(name for name, topic in own.items() if topic.on or name in extra)
+                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(SENSORS)}"))
+    return tuple(name for name in SENSORS if TOPICS[name].on or name in extra)
 
 
 def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False

@@ -70,6 +70,14 @@ def test_an_mcap_bag_is_refused_in_one_line_that_says_what_to_do(logs, without, 
     assert 'pip install mcap' in last and 'Traceback' not in err
 
 
+def test_a_cut_bag_is_told_as_cut_whatever_is_missing(logs, without, tmp_path):
+    data = next((logs / 'mcap').glob('*.mcap')).read_bytes()
+    (tmp_path / 'cut.mcap').write_bytes(data[:len(data) // 2])
+    code, out, err = call(without, 'compare', str(tmp_path / 'cut.mcap'))
+    last, = [line for line in err.splitlines() if line.startswith('hst-drive: ')]
+    assert code == 2 and 'cut.mcap: the bag was cut off' in last and 'pip install mcap' in last
+
+
 def test_csv_and_sqlite3_are_read(logs, without):
     """With the figures that the MCAP bag gives where the package is there."""
     found = {}

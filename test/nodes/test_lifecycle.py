@@ -81,6 +81,37 @@ def test_a_node_that_cannot_be_configured_says_why_and_stays(client):  # noqa: F
     assert 'nowhere.yaml' in process.err and 'Traceback' not in process.err
 
 
+def test_parameters_can_be_set_until_the_node_is_configured(client, tmp_path):  # noqa: F811
+    from rclpy.parameter import Parameter
+    (tmp_path / 'rig.yaml').write_text('motor: nothing\n')
+    with managed('plant') as process:
+        ask = Asker(client, 'plant')
+        asked, answer = parameters_of(client, 'plant'), client[1]
+
+        def put(name, value):
+            return answer(asked.set_parameters([Parameter(name, value=value)])).results[0]
+
+        assert not put('rate', 5000.0).successful       # beyond its range
+        assert not put('rate', 'fast').successful
+        wrong = put('extra_topics', ['nothing'])
+        assert not wrong.successful and "'nothing' is none of its values" in wrong.reason
+        assert not put('partners', ['plant']).successful       # read at the start
+        assert put('rig', str(tmp_path / 'rig.yaml')).successful
+        assert not ask(CONFIGURE) and ask.state == 'unconfigured'
+        assert put('rig', '').successful and put('extra_topics', ['']).successful
+        assert put('rate', 50.0).successful and ask(CONFIGURE)
+        late = put('rate', 20.0)
+        assert not late.successful and 'it is inactive: clean it up first' in late.reason
+        assert answer(asked.get_parameters(['rate'])).values[0].double_value == 50.0
+        assert ask(CLEANUP) and put('rate', 20.0).successful
+        described = answer(asked.describe_parameters(['rate', 'extra_topics', 'partners']))
+        rate, extra, partners = described.descriptors
+        assert (rate.read_only, extra.read_only, partners.read_only) == (False, False, True)
+        assert 'some of: ' in extra.additional_constraints
+        assert 'case_drain_flow' in extra.additional_constraints
+    assert 'rig.yaml' in process.err
+
+
 def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path):  # noqa: F811
     names = ['recorder', 'estimator', 'load_profile', 'controller', 'plant']
     common = ('-p', f"partners:=[{','.join(names)}]")

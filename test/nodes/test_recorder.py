@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The recorder on its own, with publishers that are not ours."""
 from collections import Counter
+from importlib.util import find_spec
 import os
+from pathlib import Path
 import subprocess
 import sys
 
+import mcap.reader
 import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
@@ -61,6 +64,18 @@ def test_ten_topics_at_200_hz_lose_nothing(tmp_path):
         found = [store.deserialize_cdr(data, connection.msgtype).orientation.x
                  for connection, _, data in reader.messages(chosen)]
     assert found == list(range(COUNT))
+
+
+def test_nothing_is_lost_through_rosbag2_py(tmp_path, monkeypatch):
+    """Or through what has its interface, where it is not installed."""
+    if find_spec('rosbag2_py') is None:
+        stand_in = Path(__file__).parents[1] / 'bag' / 'stand_in'
+        monkeypatch.setattr('test.nodes.processes.TREE', os.pathsep.join(
+            [str(stand_in), environment()['PYTHONPATH']]))
+    bag = record(tmp_path, 'RELIABLE')
+    assert Counter(topic for topic, _, _ in messages(bag)) == dict.fromkeys(TOPICS, COUNT)
+    with open(next(bag.glob('*.mcap')), 'rb') as stream:
+        assert mcap.reader.make_reader(stream).get_header().library != 'hst_drive'
 
 
 def test_best_effort_publishers_are_matched_and_noted(tmp_path):

@@ -112,6 +112,8 @@ def test_a_node_asks_its_executor_seldom():
 @pytest.mark.parametrize('arguments, words', [
     (['--managd'], ("'--managd'", '--managed', '--ros-args')),
     (['--ros-args', '-p', 'kp:=1'], ('parameter kp is 1 (INTEGER), expected DOUBLE',)),
+    (['--ros-args', '-p', 'mode:=nothing'], ('controller: parameter mode is', 'open_loop')),
+    (['--ros-args', '-p', 'partners:=[plnt]'], ("partners: 'plnt'", "did you mean 'plant'?")),
     (['--ros-args', '-p', 'qos_overrides./drive/motor.subscription.reliability:=besteffort'],
      ('qos_overrides./drive/motor', 'besteffort'))])
 def test_wrong_arguments_are_one_line(arguments, words):
@@ -120,6 +122,7 @@ def test_wrong_arguments_are_one_line(arguments, words):
         env=environment(), capture_output=True, text=True)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
     assert all(word in done.stderr for word in words), done.stderr
+    assert done.stderr.count('controller: ') == 1
 
 
 def test_a_parameter_that_a_node_does_not_have_is_told():
