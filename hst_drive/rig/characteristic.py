@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Mapping
 
 from hst_drive.rig.rig import Surface
+from hst_drive.rig.schema import LEAKAGE, TORQUE
 from hst_drive.units import to_si
 import numpy as np
 
@@ -18,9 +19,6 @@ import numpy as np
 _PRESSURES = 1500e5 * np.linspace(0.0, 1.0, 61)**3      # Pa
 _SPEEDS = to_si(20000.0, 'rpm') * np.linspace(0.0, 1.0, 31)**3    # rad/s
 _LEAST = 0.01           # efficiency where what is lost exceeds what is there
-
-LEAKAGE = ('laminar_L_min_per_bar', 'turbulent_L_min_per_sqrt_bar')
-TORQUE = ('coulomb_N_m', 'viscous_N_m_s_per_rad', 'pressure_share')
 
 
 def leakage(found: Mapping[str, float]) -> Surface:

@@ -11,12 +11,12 @@ from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
 from hst_drive.rig.adopted import read_effects
-from hst_drive.rig.characteristic import constant, LEAKAGE, leakage, torque_efficiency
+from hst_drive.rig.characteristic import constant, leakage, torque_efficiency
 from hst_drive.rig.fingerprint import read_fingerprint, SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
-    Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
+    LEAKAGE, Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, to_si, UNITS
 import numpy as np

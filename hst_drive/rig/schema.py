@@ -10,8 +10,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hst_drive.rig.characteristic import LEAKAGE, TORQUE
-
 
 class Number(NamedTuple):
     """
@@ -61,6 +59,9 @@ class Word(NamedTuple):
 _PRESSURE = ('pressure_bar', 'bar')
 _COMMAND = ('command_V', 'V')
 _SPEED = ('speed_rpm', 'rpm')
+# Coefficients that may stand in the place of a table.
+LEAKAGE = ('laminar_L_min_per_bar', 'turbulent_L_min_per_sqrt_bar')
+TORQUE = ('coulomb_N_m', 'viscous_N_m_s_per_rad', 'pressure_share')
 
 SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
     'pump': {
