@@ -69,7 +69,7 @@ def _did(entry: Found) -> str:
     unit = for_people(1.0, value.unit)[1]
     unit = f' {unit}' * (unit != '1')
     return f'has {entry.change} from {before} to {now}{unit}' if entry.change != 'gone' else \
-        f'is gone ({size} was {before}{unit}): repaired?'
+        f'is gone, as after a repair ({size} was {before}{unit})'
 
 
 def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
