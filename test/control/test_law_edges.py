@@ -60,7 +60,8 @@ def test_new_gains_take_up_what_the_last_error_makes_and_act_from_then_on():
 @pytest.mark.parametrize('strategy, tracking, after', [
     ('none', None, 0.6), ('conditional_integration', None, 0.0),
     ('back_calculation', None, 0.2),        # (2 * 3 - 2 / 0.5) * 0.1, time constant kp / ki
-    ('back_calculation', 1.0, 0.4)])        # (2 * 3 - 2 / 1.0) * 0.1
+    ('back_calculation', 1.0, 0.4),         # (2 * 3 - 2 / 1.0) * 0.1
+    ('back_calculation', 0.8, 0.35)])       # (2 * 3 - 2 / 0.8) * 0.1
 def test_what_is_clipped_off_and_the_integral(strategy, tracking, after):
     law = PiController(1.0, 2.0, 0.1, (0.0, 1.0), antiwindup_strategy=strategy,
                        tracking_time_constant=tracking)
@@ -84,7 +85,7 @@ def test_a_clipped_command_integrates_what_leads_back_inside(sign):
     law.reset(sign)
     law.update(0.0, 0.0)                                    # integral 1
     assert commands(law, 4.0 * sign) == [sign]              # clipped, held
-    assert commands(law, 0.0) == [sign]
+    assert commands(law, -0.5 * sign) == [0.5 * sign]
     law.integral = 2.0 * sign
     assert commands(law, -0.5 * sign) == [sign]             # clipped, but comes back: 1.75
     assert law.integral == 1.75 * sign
