@@ -148,7 +148,7 @@ def test_a_start_from_a_command_is_once_and_within_the_limits():
 
 
 def test_the_feed_forward_at_the_ends_and_flats_of_its_table():
-    # 2 rad/s of the motor for each rad/s ... of 10 rad/s at the pump: y = 0.2 w.
+    # The pump must displace 2 / 10 of the set point.
     forward = PumpFeedForward([0.0, 1.0, 2.0, 4.0, 5.0, 6.0], [0.0, 0.0, 1.0, 1.0, 3.0, 3.0],
                               pump_speed=10.0, motor_displacement=2.0)
     assert [forward(speed) for speed in (-1.0, 0.0)] == [0.0, 0.0]
@@ -160,3 +160,4 @@ def test_the_feed_forward_at_the_ends_and_flats_of_its_table():
     assert forward(100.0) == 5.0
     offset = PumpFeedForward([1.0, 3.0], [0.5, 1.0], 10.0, 2.0)
     assert offset(1.0) == 1.0 and offset(2.5) == 1.0 and offset(3.75) == pytest.approx(2.0)
+    assert offset(5.0) == 3.0 and offset(50.0) == 3.0
