@@ -185,7 +185,7 @@ def test_a_new_level_is_taken_in_once_the_fault_is_there():
 
 
 def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
-    for clock, usable in ((101.5, True), (100.5, True), (101.5 + STEP, False),
+    for clock, usable in ((101.5, True), (100.5, True), (101.25, True), (101.0, True), (101.5 + STEP, False),
                           (100.5 - STEP, False)):
         assert Readings(stamp_tolerance=0.5).give(10.0, stamp=101.0, clock=clock) == [usable]
     assert Readings(stamp_tolerance=0.0).give(10.0, clock=1e9) == [True]
@@ -297,6 +297,8 @@ def test_a_following_error_needs_a_command_that_is_at_its_limit_or_moves_on(erro
     for share, fault in ((0.008, False), (0.012, True), (-0.5, False)):
         step = way * share * (high - low)
         assert lagging(error, lambda now: middle + step * (now > 1.0), limits) == fault
+    whole = 0.01 * 100.0
+    assert not lagging(error, lambda now: 50.0 + way * whole * (now > 1.0), (0.0, 100.0))
     # Each time is judged by itself: what moved long ago does not count later.
     assert not lagging(error, lambda now: middle + 0.004 * way * (high - low) * now, limits, 8.0)
 
@@ -369,3 +371,8 @@ def test_the_defaults_are_those_that_the_table_of_faults_tells():
         'acceleration_limit': 1500.0, 'following_error_limit': 3.0,
         'following_error_timeout': 5.0, 'stop_time': 1.0, 'emergency_stop_time': 0.3,
         'start_after_reset': True}
+
+
+def test_nobody_changes_the_limits_of_a_supervisor_that_watches():
+    with pytest.raises(AttributeError):
+        SafetySettings().stop_time = 9.0

@@ -60,7 +60,8 @@ def test_new_gains_take_up_what_the_last_error_makes_and_act_from_then_on():
 @pytest.mark.parametrize('strategy, tracking, after', [
     ('none', None, 0.6), ('conditional_integration', None, 0.0),
     ('back_calculation', None, 0.2),        # (2 * 3 - 2 / 0.5) * 0.1, time constant kp / ki
-    ('back_calculation', 1.0, 0.4)])        # (2 * 3 - 2 / 1.0) * 0.1
+    ('back_calculation', 1.0, 0.4),         # (2 * 3 - 2 / 1.0) * 0.1
+    ('back_calculation', 0.8, 0.35)])       # (2 * 3 - 2 / 0.8) * 0.1
 def test_what_is_clipped_off_and_the_integral(strategy, tracking, after):
     law = PiController(1.0, 2.0, 0.1, (0.0, 1.0), antiwindup_strategy=strategy,
                        tracking_time_constant=tracking)
@@ -84,7 +85,7 @@ def test_a_clipped_command_integrates_what_leads_back_inside(sign):
     law.reset(sign)
     law.update(0.0, 0.0)                                    # integral 1
     assert commands(law, 4.0 * sign) == [sign]              # clipped, held
-    assert commands(law, 0.0) == [sign]
+    assert commands(law, -0.5 * sign) == [0.5 * sign]
     law.integral = 2.0 * sign
     assert commands(law, -0.5 * sign) == [sign]             # clipped, but comes back: 1.75
     assert law.integral == 1.75 * sign
@@ -147,7 +148,7 @@ def test_a_start_from_a_command_is_once_and_within_the_limits():
 
 
 def test_the_feed_forward_at_the_ends_and_flats_of_its_table():
-    # 2 rad/s of the motor for each rad/s ... of 10 rad/s at the pump: y = 0.2 w.
+    # The pump must displace 2 / 10 of the set point.
     forward = PumpFeedForward([0.0, 1.0, 2.0, 4.0, 5.0, 6.0], [0.0, 0.0, 1.0, 1.0, 3.0, 3.0],
                               pump_speed=10.0, motor_displacement=2.0)
     assert [forward(speed) for speed in (-1.0, 0.0)] == [0.0, 0.0]
@@ -159,3 +160,4 @@ def test_the_feed_forward_at_the_ends_and_flats_of_its_table():
     assert forward(100.0) == 5.0
     offset = PumpFeedForward([1.0, 3.0], [0.5, 1.0], 10.0, 2.0)
     assert offset(1.0) == 1.0 and offset(2.5) == 1.0 and offset(3.75) == pytest.approx(2.0)
+    assert offset(5.0) == 3.0 and offset(50.0) == 3.0
