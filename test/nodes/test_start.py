@@ -154,7 +154,7 @@ def test_who_looks_on_is_no_partner(monkeypatch):
     (['--help'], 0, '--ros-args -p NAME:=VALUE'),
     (['now'], 2, "manager: unknown argument 'now'"),
     (['--ros-args', '-p', 'patience:=3'], 2, 'manager: parameter patience is 3 (INTEGER)'),
-    (['--ros-args', '-p', 'a'], 1, "manager: RCLError: ")])
+    (['--ros-args', '-p', 'a'], 1, 'manager: RCLError: ')])
 def test_the_manager_says_what_is_wrong_in_one_line(arguments, code, words):
     done = subprocess.run([sys.executable, '-m', 'hst_drive.nodes.manager', *arguments],
                           timeout=PATIENCE, env=environment(), capture_output=True, text=True)
