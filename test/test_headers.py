@@ -33,3 +33,23 @@ def test_one_version():
                         re.MULTILINE)[1]
     # What is not released has no number yet (REP 132).
     assert heading == 'Forthcoming' or heading.split()[0] == stated
+
+
+def test_the_package_states_whose_it_is_and_what_a_stock_machine_needs():
+    """As setup.py does; bags need rosbag2_py and the plugin for MCAP, as apt has no mcap."""
+    package = ElementTree.parse(ROOT / 'package.xml')
+    setup = (ROOT / 'setup.py').read_text(encoding='utf-8')
+    for value in (package.findtext('url'), package.findtext('author'),
+                  package.find('author').get('email'), package.find('maintainer').get('email')):
+        assert f"'{value}'" in setup
+    needs = {entry.text for entry in package.findall('exec_depend')}
+    assert {'rosbag2_py', 'rosbag2_storage_mcap'} <= needs
+    assert not any('mcap' in name for name in needs - {'rosbag2_storage_mcap'})
+
+
+def test_what_tests_declare_is_used():
+    """By an import of a test, or, of pytest, by running them."""
+    imported = set(re.findall(r'^(?:import|from) (\w+)', '\n'.join(
+        path.read_text(encoding='utf-8') for path in (ROOT / 'test').rglob('*.py')), re.MULTILINE))
+    for entry in ElementTree.parse(ROOT / 'package.xml').findall('test_depend'):
+        assert entry.text.removeprefix('python3-') in imported, entry.text

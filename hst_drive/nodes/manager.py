@@ -3,6 +3,7 @@
 """Brings managed nodes up in order, watches them, and takes them down in the opposite order."""
 from __future__ import annotations
 
+import argparse
 import signal
 import sys
 import time
@@ -37,11 +38,11 @@ class Manager(Node):
 
     role = 'manager'
     parameters = (
-        Parameter('nodes', [], 'nodes to bring up, in this order'),
+        Parameter('nodes', [], 'nodes to bring up, in this order', at_start=True),
         Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
-                  3600.0),
+                  3600.0, at_start=True),
         Parameter('bring_back', False, 'bring a node up again that was restarted; with a '
-                  'controller that may move the bit'),
+                  'controller that may move the bit', at_start=True),
     )
 
     def __init__(self):
@@ -154,8 +155,12 @@ def main(args: list[str] | None = None) -> int:
     node, code = None, 0
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
-        if own := remove_ros_args(sys.argv if args is None else args)[1:]:
-            raise InputError(f"manager: unknown argument '{own[0]}'; give parameters as "
+        parser = argparse.ArgumentParser(
+            prog='ros2 run hst_drive manager', allow_abbrev=False, description=Manager.__doc__,
+            epilog='Parameters: --ros-args -p NAME:=VALUE; docs/parameters.md lists them.')
+        own = remove_ros_args(sys.argv if args is None else args)[1:]
+        if unknown := parser.parse_known_args(own)[1]:
+            raise InputError(f"unknown argument '{unknown[0]}'; give parameters as "
                              '--ros-args -p NAME:=VALUE')
         node = Manager()
         node.bring_up()

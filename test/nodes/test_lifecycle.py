@@ -112,6 +112,19 @@ def test_parameters_can_be_set_until_the_node_is_configured(client, tmp_path):  
     assert 'rig.yaml' in process.err
 
 
+def test_a_managed_recorder_takes_a_new_name_for_its_next_bag(client, tmp_path):  # noqa: F811
+    from rclpy.parameter import Parameter
+    with managed('recorder', '-p', f'output:={tmp_path / "one"}'):
+        ask = Asker(client, 'recorder')
+        asked = parameters_of(client, 'recorder')
+        assert all(map(ask, (CONFIGURE, ACTIVATE, DEACTIVATE, CLEANUP)))
+        (tmp_path / 'one').mkdir()
+        assert not ask(CONFIGURE)       # it is taken
+        assert client[1](asked.set_parameters(
+            [Parameter('output', value=str(tmp_path / 'two'))])).results[0].successful
+        assert ask(CONFIGURE) and (tmp_path / 'two').is_dir()
+
+
 def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path):  # noqa: F811
     names = ['recorder', 'estimator', 'load_profile', 'controller', 'plant']
     common = ('-p', f"partners:=[{','.join(names)}]")

@@ -148,3 +148,17 @@ def test_who_looks_on_is_no_partner(monkeypatch):
             'partners:=[plant, load_profile, controller, estimator, recorder]'))
         line = next(line for line in alone.stderr if 'still waiting' in line)
     assert 'motor' in line and 'pump_command' in line
+
+
+@pytest.mark.parametrize('arguments, code, words', [
+    (['--help'], 0, '--ros-args -p NAME:=VALUE'),
+    (['now'], 2, "manager: unknown argument 'now'"),
+    (['--ros-args', '-p', 'patience:=3'], 2, 'manager: parameter patience is 3 (INTEGER)'),
+    (['--ros-args', '-p', 'a'], 1, 'manager: RCLError: ')])
+def test_the_manager_says_what_is_wrong_in_one_line(arguments, code, words):
+    done = subprocess.run([sys.executable, '-m', 'hst_drive.nodes.manager', *arguments],
+                          timeout=PATIENCE, env=environment(), capture_output=True, text=True)
+    assert done.returncode == code and words in done.stdout + done.stderr, done.stderr
+    # What begins with a bracket is rcl's own log.
+    lines = [line for line in done.stderr.splitlines() if not line.startswith('[')]
+    assert len(lines) == (code > 0), done.stderr
