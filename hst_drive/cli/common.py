@@ -45,27 +45,10 @@ def rig_of(args: argparse.Namespace) -> Rig:
 
 
 def read_logs(paths: list[str], channels: str | None) -> list[Run]:
-    """Read logs; where two have one name, the folder tells them apart."""
-    from dataclasses import replace
+    """Read the logs of one campaign."""
+    from hst_drive.bag import campaign
 
-    from hst_drive.bag import load_channel_map, read_log
-    from hst_drive.measure.run import refuse_impossible, same_recording
-
-    mapping = load_channel_map(channels) if channels else None
-    runs = [read_log(path, mapping) for path in paths]
-    for run in runs:
-        refuse_impossible(run)
-    places = [Path(path).resolve() for path in paths]
-    for place, path in enumerate(paths):
-        if places[place] in places[:place]:
-            raise InputError(f'{path}: is given twice; the same log must count only once')
-        twin = next((paths[k] for k in range(place) if same_recording(runs[k], runs[place])), None)
-        if twin:
-            raise InputError(f'{path}: holds the same recording as {twin}; a log must count only '
-                             'once, and none can judge what was fitted to itself: leave one out')
-    names = [run.name for run in runs]
-    return [replace(run, name=f'{Path(path).resolve().parent.name}/{run.name}')
-            if names.count(run.name) > 1 else run for run, path in zip(runs, paths)]
+    return campaign.read_logs(paths, channels)
 
 
 def read_json(path: str) -> dict:

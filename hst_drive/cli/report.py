@@ -87,8 +87,8 @@ def _whole_effect(name: str, values: dict[str, float]) -> dict[str, float]:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
-    from hst_drive.cli import compare as compare_verb
     from hst_drive.measure.compare import compare, model_of
+    from hst_drive.report import comparison as told
     from hst_drive.report.fit_sections import Variant
     from hst_drive.report.page import page
     from hst_drive.report.provenance import provenance
@@ -111,15 +111,15 @@ def run(args: argparse.Namespace) -> int:
     source = provenance(rig, runs, paths, len(args.holdout),
                         f'hst-drive {shlex.join(sys.argv[1:])}')
     sentence = (diagnosis.get('sentence') if diagnosis
-                else compare_verb.text(comparison).splitlines()[0])
+                else told.sentence(comparison))
     text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis, remark)
     write_text(text, args.output)
     tell = say if '-' in (args.output, args.json) else print
     tell(f'wrote {args.output} ({len(text.encode()) / 1e6:.1f} MB)')
     if args.json:
         write_json({'schema': 'hst_drive/report/1', 'page': args.output,
-                    'comparison': compare_verb.as_json(comparison, rig.source),
-                    'with_found': [{'title': entry.title, 'comparison': compare_verb.as_json(
+                    'comparison': told.as_json(comparison, rig.source),
+                    'with_found': [{'title': entry.title, 'comparison': told.as_json(
                         entry.comparison, rig.source)} for entry in variants[1:]],
                     'diagnosis': diagnosis, 'provenance': {
                         **source._asdict(),
