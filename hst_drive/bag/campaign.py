@@ -57,7 +57,13 @@ def together(runs: Sequence[Run]) -> list[Run]:
                              'only once, and none can judge what was fitted to itself: leave one '
                              'out')
     names = [run.name for run in runs]
-    return [replace(run, name=f'{file.parent.name}/{run.name}' if file else
-                    f'{run.name} {names[:place].count(run.name) + 1}')
-            if names.count(run.name) > 1 else run
-            for place, (run, file) in enumerate(zip(runs, files))]
+    found = []
+    for place, (run, file) in enumerate(zip(runs, files)):
+        if names.count(run.name) > 1:
+            if file:
+                run = replace(run, name=f'{file.parent.name}/{run.name}')
+            else:       # in memory
+                name = f'{run.name} {names[:place].count(run.name) + 1}'
+                run = replace(run, name=name, source=name)
+        found.append(run)
+    return found

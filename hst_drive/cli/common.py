@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import argparse
-import json
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hst_drive.errors import InputError
+from hst_drive.report.files import read_json
 
 if TYPE_CHECKING:
     from hst_drive.measure.run import Run
     from hst_drive.rig import Rig
+
+__all__ = ['add_holdout_argument', 'add_log_arguments', 'add_rig_argument', 'read_json',
+           'read_logs', 'rig_of']
 
 
 def add_log_arguments(parser: argparse.ArgumentParser, *, default: str = '') -> None:
@@ -49,14 +50,3 @@ def read_logs(paths: list[str], channels: str | None) -> list[Run]:
     from hst_drive.bag import campaign
 
     return campaign.read_logs(paths, channels)
-
-
-def read_json(path: str) -> dict:
-    """Read a JSON file; one line says what is wrong with it."""
-    try:
-        return json.loads(Path(path).read_text(encoding='utf-8'))
-    except OSError as error:
-        raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
-    except ValueError as error:
-        raise InputError(f'{path}: is not JSON ({error}); expected what '
-                         "'hst-drive diagnose --json' wrote") from None

@@ -40,10 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Design and say what to expect."""
     from hst_drive.cli.diagnose import progress_line
-    from hst_drive.diagnose.design import design
-    from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, widened
-    from hst_drive.diagnose.trials import limits
-    from hst_drive.report.design import as_json, text
+    from hst_drive.diagnose.next_test import next_test
+    from hst_drive.report.design import as_json, open_nothing, text
 
     wanted = [name.strip() for name in args.effects.split(',') if name.strip()] \
         if args.effects is not None else None
@@ -52,28 +50,13 @@ def run(args: argparse.Namespace) -> int:
     if args.output:
         refuse_to_replace(args.output, args.force)
         check_target(args.output)
-    rig = rig_of(args)
-    if args.diagnosis is None:
-        rivals = by_name(wanted, rig.sensors)
-    else:
-        diagnosis = read_json(args.diagnosis)
-        rivals = of_diagnosis(diagnosis, args.diagnosis, wanted)
-        if rivals is not None and diagnosis.get('rig_digest') not in (None, rig.digest):
-            raise InputError(f'{rig.source or rig.name}: is not the rig that was diagnosed '
-                             f"({diagnosis.get('rig')}); give that one with --rig")
-    if rivals is None:
-        said = (diagnosis.get('next_test') or {}).get('what') or \
-            'nothing in it is ambiguous: there is nothing to separate'
-        print(f"{args.diagnosis}: the verdict is '{diagnosis.get('verdict')}'; {said} "
-              '(--effects A,B asks for a test that tells two apart)')
+    diagnosis = read_json(args.diagnosis) if args.diagnosis is not None else None
+    result = next_test(rig_of(args), diagnosis, args.diagnosis, wanted, duration=args.duration,
+                       closed_loop=args.closed_loop, progress=progress_line())
+    if result is None:
+        print(open_nothing(diagnosis, args.diagnosis)
+              + ' (--effects A,B asks for a test that tells two apart)')
         return 0
-    limits(rig)
-    models = matched(rig, rivals)
-    likely = len(models)
-    if not rivals.asked:
-        models = widened(rig, models, rivals.channels)
-    result = design(rig, models, rivals.channels, duration=args.duration,
-                    closed_loop=args.closed_loop, likely=likely, progress=progress_line())
     if args.output:
         write_yaml(result.content, args.output)
     if args.json:

@@ -89,9 +89,9 @@ def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
     from hst_drive.measure.compare import compare, model_of
     from hst_drive.report import comparison as told
-    from hst_drive.report.fit_sections import Variant
     from hst_drive.report.page import page
     from hst_drive.report.provenance import provenance
+    from hst_drive.report.variants import variants_of
     from hst_drive.rig import default_rig_file, parse_rig
 
     check_target(args.output)
@@ -103,10 +103,7 @@ def run(args: argparse.Namespace) -> int:
     say('comparing')
     comparison = compare(model_of(rig, runs), runs)
     diagnosis, remark = _diagnosis(args, rig, runs)
-    variants = [Variant('model as given', comparison)]
-    for title, other in _adopted(content, diagnosis, args.diagnosis or 'diagnosis', rig):
-        say(f'comparing: {title}')
-        variants.append(Variant(title, compare(model_of(other, runs), runs)))
+    variants = variants_of(content, rig, comparison, diagnosis, args.diagnosis or 'diagnosis', say)
     names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
     source = provenance(rig, runs, paths, len(args.holdout),
                         f'hst-drive {shlex.join(sys.argv[1:])}')
@@ -163,19 +160,3 @@ def _check(found: object, source: str) -> None:
     if lacking or found.get('schema') != SCHEMA or not found['ladder']:
         raise InputError(f"{source}: is not a diagnosis (schema '{SCHEMA}'); give the file that "
                          "'hst-drive diagnose --json' wrote")
-
-
-def _adopted(content: dict, diagnosis: dict | None, source: str, rig: Rig) -> list[
-        tuple[str, Rig]]:
-    """Return the rig with what was found added, and with the formula for the unknown."""
-    from hst_drive.diagnose.adopt import adopt
-    from hst_drive.rig import parse_rig
-
-    if not diagnosis:
-        return []
-    formula = (diagnosis.get('unknown') or {}).get('formula')
-    kinds = ([('with what was found', False)] if diagnosis['effects'] else []) + (
-        [('with the formula for the unknown', True)] if formula else [])
-    return [(title, parse_rig(adopt(content, diagnosis, source, rig.source,
-                                    formula=with_formula), rig.source))
-            for title, with_formula in kinds]

@@ -29,6 +29,13 @@ def text(result: Design, output: str | None) -> str:
     return '\n'.join(lines)
 
 
+def open_nothing(diagnosis: dict, source: str) -> str:
+    """Say that a diagnosis leaves nothing to tell apart."""
+    said = (diagnosis.get('next_test') or {}).get('what') or \
+        'nothing in it is ambiguous: there is nothing to separate'
+    return f"{source}: the verdict is '{diagnosis.get('verdict')}'; {said}"
+
+
 def sentence(result: Design) -> str:
     """Return the advice in a sentence or two."""
     worst = 'sigma for the worst pair, played with noise and judged together with plain drilling'

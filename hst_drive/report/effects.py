@@ -8,9 +8,12 @@ import textwrap
 
 from hst_drive.effects import catalogue, Effect, left_out, origin, SLOTS
 from hst_drive.errors import InputError
+from hst_drive.report import markup
 from hst_drive.report.terminal import table
 
 _WIDTH = 96
+_HEADER = ('id', 'enters', 'what it is')
+_COLUMNS = ('parameter', 'unit', 'low', 'high', 'typical', 'what it is')
 
 
 def chosen(identity: str | None = None) -> dict[str, Effect]:
@@ -38,28 +41,48 @@ def text(effects: dict[str, Effect], identity: str | None = None) -> str:
     return _listing(effects) if identity is None else _explanation(effects[identity])
 
 
+def html(effects: dict[str, Effect], identity: str | None = None) -> str:
+    """Return the same for a page."""
+    if identity is None:
+        return str(markup.table(_HEADER, _rows(effects)))
+    effect = effects[identity]
+    facts = [markup.element('dt', name) + markup.element('dd', told)
+             for name, told in _facts(effect)]
+    return str(markup.element('h3', f'{effect.id}: {effect.title}')
+               + markup.element('dl', markup.join(facts))
+               + markup.table(_COLUMNS, _parameters(effect)))
+
+
 def _listing(effects: dict[str, Effect]) -> str:
+    return table(_HEADER, _rows(effects))
+
+
+def _rows(effects: dict[str, Effect]) -> list[tuple[str, ...]]:
     order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
-    rows = [(effect.id, effect.enters, effect.title + (
+    return [(effect.id, effect.enters, effect.title + (
         '' if origin(effect.id) == 'hst_drive' else f' (package {origin(effect.id)})'))
         for effect in sorted(effects.values(), key=lambda effect: order.index(effect.enters))]
-    return table(['id', 'enters', 'what it is'], rows)
 
 
 def _explanation(effect: Effect) -> str:
     lines = [f'{effect.id}: {effect.title}', '']
-    facts = [('enters', f'{effect.enters}: ' + '; '.join(
-                 f'{SLOTS[slot].meaning} ({SLOTS[slot].unit})' for slot, _ in effect.terms)),
-             ('equation', effect.equation), ('tell-tale', effect.telltale),
-             ('shows in', ', '.join(effect.shows_in)), ('source', effect.source),
-             ('package', origin(effect.id))]
-    for name, text in facts:
-        lines += textwrap.wrap(text, _WIDTH, initial_indent=f'{name:11}',
+    for name, told in _facts(effect):
+        lines += textwrap.wrap(told, _WIDTH, initial_indent=f'{name:11}',
                                subsequent_indent=' ' * 11, break_on_hyphens=False)
-    rows = [(entry.name, entry.unit, entry.low, entry.high, entry.typical, entry.meaning)
+    return '\n'.join([*lines, '', table(_COLUMNS, _parameters(effect))])
+
+
+def _facts(effect: Effect) -> list[tuple[str, str]]:
+    return [('enters', f'{effect.enters}: ' + '; '.join(
+                f'{SLOTS[slot].meaning} ({SLOTS[slot].unit})' for slot, _ in effect.terms)),
+            ('equation', effect.equation), ('tell-tale', effect.telltale),
+            ('shows in', ', '.join(effect.shows_in)), ('source', effect.source),
+            ('package', origin(effect.id))]
+
+
+def _parameters(effect: Effect) -> list[tuple]:
+    return [(entry.name, entry.unit, entry.low, entry.high, entry.typical, entry.meaning)
             for entry in effect.parameters]
-    return '\n'.join([*lines, '', table(
-        ['parameter', 'unit', 'low', 'high', 'typical', 'what it is'], rows)])
 
 
 def as_json(effects: dict[str, Effect]) -> dict:
