@@ -10,19 +10,20 @@ import hst_drive
 import pytest
 
 PACKAGE = Path(hst_drive.__file__).parent
-BASE = {'errors', 'units'}
+BASE = {'as_function', 'errors', 'units'}
 MODEL = BASE | {'effects', 'resources', 'rig', 'model'}
 PURE = MODEL | {'control', 'load', 'losses', 'measure'}
 ABOVE = PURE | {'bag', 'diagnose'}
 
 # Part of the package -> parts that it may import.
 MAY_IMPORT = {
-    'errors': set(), 'units': set(), 'resources': {'errors'},
+    'as_function': set(), 'errors': set(), 'units': set(), 'resources': {'errors'},
     'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
     'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'diagnose': ABOVE,
     'nodes': PURE | {'bag'},
     'report': ABOVE, 'fleet': ABOVE | {'report'}, 'workbench': ABOVE | {'report'},
+    'api': ABOVE | {'report'},
     'cli': ABOVE | {'fleet', 'nodes', 'report', 'workbench'}, '__main__': {'cli'},
 }
 
@@ -36,10 +37,10 @@ ONLY_IN = {
     'sqlite3': {'bag'},
     'yaml': {'rig', 'bag', 'load', 'nodes', 'cli', 'diagnose', 'report'}, 'numba': {'model'},
     'matplotlib': {'cli', 'report'}, 'plotly': {'report', 'workbench'}, 'dash': {'workbench'},
-    'distributed': {'fleet'},
+    'distributed': {'fleet'}, 'pandas': {'api'},
 }
-SILENT = ['units', 'errors', 'resources', 'rig', 'effects', 'model', 'control', 'load', 'losses',
-          'measure', 'bag', 'diagnose']
+SILENT = ['api', 'as_function', 'units', 'errors', 'resources', 'rig', 'effects', 'model',
+          'control', 'load', 'losses', 'measure', 'bag', 'diagnose']
 
 
 def part(path: Path) -> str:

@@ -59,6 +59,7 @@ def test_wheel(source, tmp_path):
                               'share/ament_index/resource_index/packages/hst_drive'}
     assert 'hst_drive/cli/__init__.py' in names
     assert 'hst_drive/report/assets/page.css' in names
+    assert 'hst_drive/py.typed' in names
     assert 'hst_drive/workbench/assets/workbench.html' in names
     assert not [name for name in names if name.startswith('test')]
     for program in PROGRAMS:

@@ -21,7 +21,9 @@ from difflib import get_close_matches
 import math
 import os
 from pathlib import Path
+from typing import Any
 
+from hst_drive.bag.arrays import columns_of, numbers
 from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, split_header
 from hst_drive.bag.csv_log import read_lines, separator_of
 from hst_drive.errors import InputError
@@ -107,10 +109,38 @@ def read_points(path: str | os.PathLike[str],
                 raise InputError(f'{path}: row {rows[index + 1]}, column {header[column]!r}: '
                                  f'expected a number, found {text[:40]!r}') from None
             values[index, place] = entry.to_si(number, unit)
-    found = {entry.channel: values[:, place] for place, (_, entry, _) in enumerate(picks)}
-    return PointTable(str(path), found, {entry.channel: header[column]
-                                         for column, entry, _ in picks},
-                      np.array(rows[1:]), constants, tuple(notes))
+    return _table_of(str(path), header, picks, [values[:, place] for place in range(len(picks))],
+                     np.array(rows[1:]), constants, notes)
+
+
+def points_of(table: Any, channels: str | os.PathLike[str] | None = None,
+              name: str = 'table') -> PointTable:
+    """
+    Read a table of operating points that is in memory: a frame, or a mapping of columns.
+
+    Raises
+    ------
+    InputError
+        If it cannot be used; names the column.
+
+    """
+    entries, constants, mapped = _map(channels) if channels else ({}, {}, '')
+    columns = columns_of(table, name)
+    header = list(columns)
+    picks, notes = _picks(header, entries, constants, name, mapped)
+    values = numbers(columns, [header[column] for column, _, _ in picks], name)
+    return _table_of(name, header, picks, [
+        entry.to_si(column, unit) for column, (_, entry, unit) in zip(values, picks)],
+        np.arange(len(values[0])), constants, notes)
+
+
+def _table_of(source: str, header: list[str], picks: list[tuple[int, Entry, str]],
+              values: list[np.ndarray], lines: np.ndarray, constants: dict[str, float],
+              notes: list[str]) -> PointTable:
+    return PointTable(source, {entry.channel: column
+                               for (_, entry, _), column in zip(picks, values)},
+                      {entry.channel: header[place] for place, entry, _ in picks},
+                      lines, constants, tuple(notes))
 
 
 def _picks(header: list[str], entries: Mapping[str, Entry], constants: Mapping[str, float],

@@ -48,8 +48,12 @@ class Layout(NamedTuple):
 
         Of a ``whole`` log rounded stamps are spread.
         """
-        columns = _parse(lines, rows, self.separator, self.header,
-                         [column for column, _, _ in self.picks], self.path)
+        return self.in_si(_parse(lines, rows, self.separator, self.header,
+                                 [column for column, _, _ in self.picks], self.path), rows, whole)
+
+    def in_si(self, columns: np.ndarray, rows: Sequence[int], whole: bool = False) -> tuple[
+            np.ndarray, dict[str, np.ndarray]]:
+        """Do the same with the numbers of the picked columns, shape (rows, picks)."""
         values = [entry.to_si(columns[:, index], unit)
                   for index, (_, entry, unit) in enumerate(self.picks)]
         if whole:
@@ -71,7 +75,8 @@ def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layou
         header = [f'{name}[{unit}]' if unit not in _NO_UNIT and split_header(name)[1] is None
                   else name for name, unit in zip(header, map(_bare, second))]
     notes: list[str] = []
-    return Layout(header, count, separator, _picks(header, channel_map, path, notes), path, notes)
+    picks = picks_of(header, channel_map, path, notes)
+    return Layout(header, count, separator, picks, path, notes)
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -187,8 +192,8 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _picks(header: list[str], channel_map: ChannelMap, path: str,
-           notes: list[str]) -> list[tuple[int, Entry, str]]:
+def picks_of(header: list[str], channel_map: ChannelMap, path: str,
+             notes: list[str]) -> list[tuple[int, Entry, str]]:
     """Return column, entry and unit of the time and of each channel."""
     if all(map(_is_number, header)):
         raise InputError(f'{path}: the first line holds numbers, no header; expected e.g. '

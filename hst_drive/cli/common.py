@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import argparse
-import json
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hst_drive.errors import InputError
+from hst_drive.report.files import read_json
 
 if TYPE_CHECKING:
     from hst_drive.measure.run import Run
     from hst_drive.rig import Rig
+
+__all__ = ['add_holdout_argument', 'add_log_arguments', 'add_rig_argument', 'read_json',
+           'read_logs', 'rig_of']
 
 
 def add_log_arguments(parser: argparse.ArgumentParser, *, default: str = '') -> None:
@@ -68,35 +70,7 @@ def rig_of(args: argparse.Namespace) -> Rig:
 
 
 def read_logs(paths: list[str], channels: str | None) -> list[Run]:
-    """Read logs; where two have one name, the folder tells them apart."""
-    from dataclasses import replace
+    """Read the logs of one campaign."""
+    from hst_drive.bag import campaign
 
-    from hst_drive.bag import load_channel_map, read_log
-    from hst_drive.measure.run import refuse_impossible, same_recording
-
-    mapping = load_channel_map(channels) if channels else None
-    runs = [read_log(path, mapping) for path in paths]
-    for run in runs:
-        refuse_impossible(run)
-    places = [Path(path).resolve() for path in paths]
-    for place, path in enumerate(paths):
-        if places[place] in places[:place]:
-            raise InputError(f'{path}: is given twice; the same log must count only once')
-        twin = next((paths[k] for k in range(place) if same_recording(runs[k], runs[place])), None)
-        if twin:
-            raise InputError(f'{path}: holds the same recording as {twin}; a log must count only '
-                             'once, and none can judge what was fitted to itself: leave one out')
-    names = [run.name for run in runs]
-    return [replace(run, name=f'{Path(path).resolve().parent.name}/{run.name}')
-            if names.count(run.name) > 1 else run for run, path in zip(runs, paths)]
-
-
-def read_json(path: str) -> dict:
-    """Read a JSON file; one line says what is wrong with it."""
-    try:
-        return json.loads(Path(path).read_text(encoding='utf-8'))
-    except OSError as error:
-        raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
-    except ValueError as error:
-        raise InputError(f'{path}: is not JSON ({error}); expected what '
-                         "'hst-drive diagnose --json' wrote") from None
+    return campaign.read_logs(paths, channels)

@@ -130,9 +130,9 @@ def _layers(ground: Ground) -> list[tuple[str, float, float]]:
 
 
 def _compared(runs: list[Run], rig_file: str | None = None) -> None:
-    from hst_drive.cli.compare import text
     from hst_drive.measure.compare import compare
     from hst_drive.model import Drive
+    from hst_drive.report.comparison import text
     from hst_drive.rig import default_rig, load_rig
 
     result = compare(Drive(load_rig(rig_file) if rig_file else default_rig()), runs)
@@ -145,11 +145,12 @@ def _compared(runs: list[Run], rig_file: str | None = None) -> None:
 
 def _diagnosed(runs: list[Run], folder: Path) -> str | None:
     """Print what is missing; return the file of the rig with it, None if nothing was found."""
-    from hst_drive.cli.diagnose import progress_line, text
+    from hst_drive.cli.diagnose import progress_line
     from hst_drive.cli.output import plain, write_json, write_yaml
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.decide import diagnose
     from hst_drive.diagnose.document import as_json
+    from hst_drive.report.diagnosis import text
     from hst_drive.rig import default_rig_file, load_rig
     from hst_drive.rig.yaml_file import read_yaml
 

@@ -56,10 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print what the table says."""
     from hst_drive.bag.bench_table import read_points
-    from hst_drive.cli import losses_transmission as many
-    from hst_drive.cli.oils import oil_of
-    from hst_drive.losses.document import named
     from hst_drive.losses.table import bench_of
+    from hst_drive.report import transmissions as many
+    from hst_drive.rig.oils import oil_of
 
     table = read_points(args.bench, args.channels)
     if many.is_transmissions(table):
@@ -76,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
         _say_all(args.bench, table.notes + bench.notes)
         content, shown = _motors(args, bench, oil)
     if args.json:
-        write_json(named(content), args.json)
+        write_json(content, args.json)
     if args.json != '-':
         print(shown)
     return 0
@@ -89,13 +88,13 @@ def _say_all(source: str, notes: tuple[str, ...]) -> None:
 
 def _motors(args: argparse.Namespace, bench: Bench, oil: Callable) -> tuple[dict, str]:
     """Return the result of a motor bench table, as plain data and as text."""
-    from hst_drive.cli import losses_out as out, losses_text as text
+    from hst_drive.cli import losses_out as out
     from hst_drive.losses.resistances import identify
     from hst_drive.losses.study import LEAST_ROWS, study
+    from hst_drive.report import losses as text
 
     out.check(args, bench)
     found, done = identify(bench), None
-    content = text.head(bench, args.oil)
     if len(bench) < LEAST_ROWS:
         asked = [name for name in ('duty', 'output', 'plot') if getattr(args, name)]
         if asked:
@@ -106,8 +105,7 @@ def _motors(args: argparse.Namespace, bench: Bench, oil: Callable) -> tuple[dict
     else:
         say(f'fitting {len(bench)} rows ...')
         done = study(bench)
-        content |= text.studied(done)
-    content['rows'] = text.rows(bench, found, done)
+    content = text.as_json(bench, args.oil, found, done)
     parts = [text.shown(content, bench, found, done)]
     if args.duty:
         content['selection'] = out.selection(args, done, oil)

@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 from hst_drive.cli.output import check_target, refuse_to_replace, table, write_yaml
 from hst_drive.errors import InputError
-from hst_drive.losses.document import named
 from hst_drive.losses.export import ends_of, motor_section
 from hst_drive.losses.selection import Duty, select, ZONE
 from hst_drive.losses.study import Study
@@ -79,7 +78,7 @@ def selection(args: argparse.Namespace, study: Study, oil: Callable) -> dict:
     temperature = _temperature(args, study.bench)
     found = select(study, _duty(args.duty), float(oil(temperature)))
     return {'oil_temperature': temperature, 'best': found[0].displacement,
-            'motors': [named(entry) for entry in found]}
+            'motors': [{**entry._asdict(), 'zone': entry.zone._asdict()} for entry in found]}
 
 
 def selection_text(content: dict) -> str:

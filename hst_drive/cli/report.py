@@ -87,11 +87,11 @@ def _whole_effect(name: str, values: dict[str, float]) -> dict[str, float]:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
-    from hst_drive.cli import compare as compare_verb
     from hst_drive.measure.compare import compare, model_of
-    from hst_drive.report.fit_sections import Variant
+    from hst_drive.report import comparison as told
     from hst_drive.report.page import page
     from hst_drive.report.provenance import provenance
+    from hst_drive.report.variants import variants_of
     from hst_drive.rig import default_rig_file, parse_rig
 
     check_target(args.output)
@@ -103,23 +103,20 @@ def run(args: argparse.Namespace) -> int:
     say('comparing')
     comparison = compare(model_of(rig, runs), runs)
     diagnosis, remark = _diagnosis(args, rig, runs)
-    variants = [Variant('model as given', comparison)]
-    for title, other in _adopted(content, diagnosis, args.diagnosis or 'diagnosis', rig):
-        say(f'comparing: {title}')
-        variants.append(Variant(title, compare(model_of(other, runs), runs)))
+    variants = variants_of(content, rig, comparison, diagnosis, args.diagnosis or 'diagnosis', say)
     names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
     source = provenance(rig, runs, paths, len(args.holdout),
                         f'hst-drive {shlex.join(sys.argv[1:])}')
     sentence = (diagnosis.get('sentence') if diagnosis
-                else compare_verb.text(comparison).splitlines()[0])
+                else told.sentence(comparison))
     text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis, remark)
     write_text(text, args.output)
     tell = say if '-' in (args.output, args.json) else print
     tell(f'wrote {args.output} ({len(text.encode()) / 1e6:.1f} MB)')
     if args.json:
         write_json({'schema': 'hst_drive/report/1', 'page': args.output,
-                    'comparison': compare_verb.as_json(comparison, rig.source),
-                    'with_found': [{'title': entry.title, 'comparison': compare_verb.as_json(
+                    'comparison': told.as_json(comparison, rig.source),
+                    'with_found': [{'title': entry.title, 'comparison': told.as_json(
                         entry.comparison, rig.source)} for entry in variants[1:]],
                     'diagnosis': diagnosis, 'provenance': {
                         **source._asdict(),
@@ -163,19 +160,3 @@ def _check(found: object, source: str) -> None:
     if lacking or found.get('schema') != SCHEMA or not found['ladder']:
         raise InputError(f"{source}: is not a diagnosis (schema '{SCHEMA}'); give the file that "
                          "'hst-drive diagnose --json' wrote")
-
-
-def _adopted(content: dict, diagnosis: dict | None, source: str, rig: Rig) -> list[
-        tuple[str, Rig]]:
-    """Return the rig with what was found added, and with the formula for the unknown."""
-    from hst_drive.diagnose.adopt import adopt
-    from hst_drive.rig import parse_rig
-
-    if not diagnosis:
-        return []
-    formula = (diagnosis.get('unknown') or {}).get('formula')
-    kinds = ([('with what was found', False)] if diagnosis['effects'] else []) + (
-        [('with the formula for the unknown', True)] if formula else [])
-    return [(title, parse_rig(adopt(content, diagnosis, source, rig.source,
-                                    formula=with_formula), rig.source))
-            for title, with_formula in kinds]

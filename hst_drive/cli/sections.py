@@ -13,7 +13,7 @@ from typing import Iterator, TYPE_CHECKING
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
-    from hst_drive.measure.compare import Comparison, LogComparison
+    from hst_drive.measure.compare import Comparison
     from hst_drive.measure.run import Run
     from hst_drive.rig import Rig
 
@@ -73,14 +73,3 @@ def in_sections(rig: Rig, args: argparse.Namespace) -> Comparison:
 
     return compare_sections(model_of(rig, [first.run]), Path(path).stem, path, sections(),
                             seconds, all_seconds=args.all, progress=progress)
-
-
-def told(log: LogComparison) -> str:
-    """Say how a log was cut; nothing if it was not."""
-    cut = log.sections
-    if cut is None:
-        return ''
-    return (f'{log.run.name}: compared in {cut.count} sections of {cut.seconds / 60:g} min, each '
-            f'replayed from {cut.before:g} s before to {cut.after:g} s after it; noise and floor '
-            f'are means over the sections, regions are from {len(log.run)} of {cut.samples} '
-            'samples')

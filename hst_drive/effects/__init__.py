@@ -14,13 +14,18 @@ from importlib.metadata import entry_points
 import math
 import pkgutil
 
+from hst_drive.as_function import make_callable
 from hst_drive.effects.base import arguments, Effect, Parameter, READABLE, readable, Slot, SLOTS
 from hst_drive.effects.formula import FORMULAS
+from hst_drive.errors import InputError
 
-__all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'left_out',
-           'origin', 'readable']
+__all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'edition',
+           'left_out', 'origin', 'readable', 'register']
+make_callable(__name__)
 
 GROUP = 'hst_drive.effects'
+_HERE = 'registered here'
+_editions: list[str] = []
 _NOT_EFFECTS = ('base', 'formula', 'oil')
 
 
@@ -45,6 +50,36 @@ def left_out() -> tuple[str, ...]:
 def origin(identity: str) -> str:
     """Return the package that an effect comes from."""
     return _found()[1][identity]
+
+
+def register(effect: Effect) -> None:
+    """
+    Add an effect of your own to the catalogue until the program ends.
+
+    For trying it out; an entry point of a package (``GROUP``) adds it for good. Under the id of
+    an effect that was registered before it takes that one's place.
+
+    Raises
+    ------
+    InputError
+        If it does not fit into the drive; one line that says why.
+
+    """
+    effects, origins, _ = _found()
+    others = {name: entry for name, entry in effects.items() if origins[name] != _HERE}
+    try:
+        _refuse_unusable(effect, others)
+    except Exception as problem:
+        raise InputError(f"effect '{getattr(effect, 'id', effect)}' cannot be registered: "
+                         f'{problem}') from None
+    effects[effect.id] = effect
+    origins[effect.id] = _HERE
+    _editions.append(effect.id)
+
+
+def edition() -> int:
+    """Return a number that changes with the catalogue."""
+    return len(_editions)
 
 
 @lru_cache(maxsize=1)

@@ -9,3 +9,6 @@ Motor-loss paper: A. K. Pandey et al., losses of bent-axis hydro-motors of five 
 oil temperatures. Its Eqs. (11) to (15) are the actual performance, from measured signals.
 
 """
+from hst_drive.as_function import make_callable
+
+make_callable(__name__)

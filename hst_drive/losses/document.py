@@ -148,14 +148,3 @@ def cells_document(found: list[Cell]) -> list[dict]:
              'motor_left_out': cell.unseen, 'rows': cell.rows, 'errors': cell.errors,
              'noise': cell.noise, 'scatter': cell.scatter,
              'within_2_5_percent': cell.within} for cell in found]
-
-
-def named(value):
-    """Return named tuples as mappings, at any depth."""
-    if hasattr(value, '_asdict'):
-        return {key: named(entry) for key, entry in value._asdict().items()}
-    if isinstance(value, dict):
-        return {key: named(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [named(entry) for entry in value]
-    return value

@@ -22,7 +22,7 @@ import tempfile
 import types
 from typing import Callable, NamedTuple
 
-from hst_drive.effects import catalogue, Effect
+from hst_drive.effects import catalogue, edition, Effect
 from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, \
     USUAL_SHARE, USUAL_UPSTREAM
 from hst_drive.model import kernel_template
@@ -132,7 +132,6 @@ def _terms(effects: dict[str, Effect]) -> list[tuple[str, Effect, str, Callable]
             for number, (slot, function) in enumerate(effect.terms)]
 
 
-@lru_cache(maxsize=4)
 def kernel(compiled: bool | None = None) -> Kernel:
     """
     Return the code for all effects of the catalogue.
@@ -143,9 +142,14 @@ def kernel(compiled: bool | None = None) -> Kernel:
         True compiles with numba, False runs plain Python; by default numba is used if present.
 
     """
-    effects = catalogue(everything=True)
     if compiled is None:
         compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+    return _kernel(compiled, edition())
+
+
+@lru_cache(maxsize=4)
+def _kernel(compiled: bool, _: int) -> Kernel:
+    effects = catalogue(everything=True)
     text, places, flags, slots, size = generate(effects)
     module = _compiled(text, effects) if compiled else _plain(text, effects)
     return Kernel(module.simulate, module.load_record, places, flags, slots, size, text,

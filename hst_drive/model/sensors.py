@@ -3,7 +3,7 @@
 """What the sensors make of the true values: noise, range and steps of the reading."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Sensor
@@ -48,8 +48,8 @@ class SensorBank:
         self.sensors = {**rig.sensors, **{name: usual[name] for name in more if name in usual}}
         self._random = np.random.default_rng(seed)
 
-    def read(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Return the readings (SI) of those values that a sensor watches."""
+    def read(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the readings (SI) of those values, numbers or arrays, that a sensor watches."""
         readings = {}
         for name, sensor in self.sensors.items():
             if name not in values:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from importlib.resources import files
 import json
-import math
 import re
 from typing import Sequence
 
@@ -16,6 +15,7 @@ from hst_drive.report.fit_sections import (
 from hst_drive.report.found_sections import (
     found_section, ladder_section, rivals_section, unit_section, verdict)
 from hst_drive.report.markup import element, join, Markup, section, table
+from hst_drive.report.plain import plain
 from hst_drive.report.provenance import Provenance
 
 _HEADING = re.compile('<h2 id="([a-z]+)-title">(.*?)</h2>')
@@ -25,7 +25,7 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inli
 
 
 def page(title: str, sentence: str, variants: Sequence[Variant], source: Provenance,
-         diagnosis: dict | None = None, remark: str = '') -> str:
+         diagnosis: dict | None = None, remark: str = '', points: int | None = None) -> str:
     """
     Return the page as HTML.
 
@@ -41,6 +41,8 @@ def page(title: str, sentence: str, variants: Sequence[Variant], source: Provena
         What 'diagnose --json' writes.
     remark : str
         What the reader should know besides, e.g. why there is no diagnosis.
+    points : int, optional
+        Of a curve, at most; by default as many as fit into a page.
 
     """
     variants = list(variants)
@@ -52,7 +54,7 @@ def page(title: str, sentence: str, variants: Sequence[Variant], source: Provena
         blocks += [rivals_section(diagnosis), unit_section(diagnosis)]
     blocks.append(_provenance(source))
     script = '\n'.join(map(asset, SCRIPTS))
-    data = json.dumps(finite(_data(variants, diagnosis)), allow_nan=False)
+    data = json.dumps(plain(_data(variants, diagnosis, points)), allow_nan=False)
     return '\n'.join([
         '<!DOCTYPE html>', '<html lang="en"><head><meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
@@ -113,9 +115,9 @@ def _provenance(source: Provenance) -> Markup:
                            for key, value in facts.items()), class_='facts-list'))
 
 
-def _data(variants: list[Variant], diagnosis: dict | None) -> dict:
+def _data(variants: list[Variant], diagnosis: dict | None, points: int | None) -> dict:
     first = variants[0].comparison
-    points = points_each(first.logs, len(variants))
+    points = points or points_each(first.logs, len(variants))
     names = list(first.signals)
     return {
         'titles': titles(), 'signals': names,
@@ -126,12 +128,3 @@ def _data(variants: list[Variant], diagnosis: dict | None) -> dict:
             'fails': error_maps(entry.comparison.logs, names)} for entry in variants],
         'ladder': diagnosis and diagnosis.get('ladder'),
     }
-
-
-def finite(value: object) -> object:
-    """Return data with None for the numbers that JSON does not know."""
-    if isinstance(value, dict):
-        return {key: finite(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

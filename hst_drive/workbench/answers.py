@@ -14,7 +14,7 @@ from hst_drive.measure.run import CHANNELS
 from hst_drive.report.curves import measured_curves, model_curves, titles
 from hst_drive.report.fails import error_maps
 from hst_drive.report.found_sections import found_section, rivals_section, verdict
-from hst_drive.report.page import finite
+from hst_drive.report.plain import plain
 from hst_drive.workbench.bench import parameters, Workbench
 from hst_drive.workbench.jobs import Job
 from hst_drive.workbench.state import PageModel, read_model
@@ -77,7 +77,7 @@ class Answers:
             If there is no such question.
 
         """
-        return finite(self.asked[name](content))
+        return plain(self.asked[name](content))
 
     def _start(self, content: dict) -> dict:
         names = list(dict.fromkeys(name for run in self.bench.runs for name in CHANNELS
@@ -160,7 +160,7 @@ class Answers:
         return self._begin('diagnose', work)
 
     def _job(self, content: dict) -> dict:
-        return finite(self.job.status()) if self.job else {'state': 'none'}
+        return plain(self.job.status()) if self.job else {'state': 'none'}
 
     def _stop(self, content: dict) -> dict:
         if self.job:

@@ -185,7 +185,8 @@ def test_a_new_level_is_taken_in_once_the_fault_is_there():
 
 
 def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
-    for clock, usable in ((101.5, True), (100.5, True), (101.25, True), (101.0, True), (101.5 + STEP, False),
+    for clock, usable in ((101.5, True), (100.5, True), (101.25, True), (101.0, True),
+                          (101.5 + STEP, False),
                           (100.5 - STEP, False)):
         assert Readings(stamp_tolerance=0.5).give(10.0, stamp=101.0, clock=clock) == [usable]
     assert Readings(stamp_tolerance=0.0).give(10.0, clock=1e9) == [True]

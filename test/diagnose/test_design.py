@@ -6,7 +6,6 @@ import json
 from test.diagnose.ambiguous import advised_log, first_log, named
 
 from hst_drive.cli import main
-from hst_drive.cli.design import sentence
 from hst_drive.diagnose import designer, rivals
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.decide import diagnose
@@ -22,6 +21,7 @@ from hst_drive.errors import InputError
 from hst_drive.load import load_scenario
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario
+from hst_drive.report.design import sentence
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest

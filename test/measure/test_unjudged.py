@@ -4,10 +4,10 @@
 from dataclasses import replace
 
 from bench.campaigns import as_runs
-from hst_drive.cli.compare import text
 from hst_drive.measure.compare import compare
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
+from hst_drive.report.comparison import text
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest

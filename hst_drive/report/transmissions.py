@@ -1,12 +1,12 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the verb ``losses`` says about a table of transmissions tested at one point."""
+"""A table of transmissions tested at one point: what it says, as text and as JSON."""
 from __future__ import annotations
 
 from hst_drive.bag.bench_table import PointTable
-from hst_drive.cli.output import table as text_table
 from hst_drive.losses.document import SCHEMA
 from hst_drive.losses.transmission import Spread, Transmissions, transmissions
+from hst_drive.report.terminal import table as text_table
 from hst_drive.units import from_si
 
 

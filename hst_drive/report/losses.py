@@ -1,9 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What the verb ``losses`` writes and prints."""
+"""Steady-state losses as text and as JSON."""
 from __future__ import annotations
 
-from hst_drive.cli.output import table
 from hst_drive.losses import document as doc
 from hst_drive.losses.accuracy import cells
 from hst_drive.losses.ordinary import sizes
@@ -12,13 +11,19 @@ from hst_drive.losses.study import Study
 from hst_drive.losses.table import Bench
 from hst_drive.losses.trends import CONTRADICTION, STATED
 from hst_drive.losses.verdict import Verdict, verdict
+from hst_drive.report.terminal import table
 from hst_drive.units import from_si
 
 _RESISTANCE = 1e5 * 60e3        # Pa.s/m^3 of 1 bar/(L/min)
-rows = doc.rows
 
 
-def head(bench: Bench, oil: str) -> dict:
+def as_json(bench: Bench, oil: str, found: Resistances, study: Study | None) -> dict:
+    """Return what a bench table says as the verb ``losses --json`` writes it, SI."""
+    return {**_head(bench, oil), **(_studied(study) if study else {}),
+            'rows': doc.rows(bench, found, study)}
+
+
+def _head(bench: Bench, oil: str) -> dict:
     """Return what the table is."""
     return {'schema': doc.SCHEMA, 'bench': bench.source, 'rows_used': len(bench), 'oil': oil,
             'units': doc.UNITS, 'motors': list(bench.levels('size')[1]),
@@ -27,7 +32,7 @@ def head(bench: Bench, oil: str) -> dict:
             'notes': list(bench.notes)}
 
 
-def studied(study: Study) -> dict:
+def _studied(study: Study) -> dict:
     """Return all that was fitted and judged."""
     ranking, steps = doc.models(study)
     found = verdict(study)
@@ -164,6 +169,3 @@ def _terms(found: Verdict) -> str:
     return ('Missing terms (size at the highest pressure and speed in the middle motor):\n'
             + table(['term', 'path', 'formula', 'size', '95 % interval', 'unit', '% of loss',
                      'error before', 'after', 'rivals'], body))
-
-
-__all__ = ['head', 'rows', 'shown', 'studied']

@@ -1,0 +1,102 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A diagnosis as text; ``hst_drive.diagnose.document`` has its JSON."""
+from __future__ import annotations
+
+from hst_drive.diagnose.result import Diagnosis, not_known, Unknown
+from hst_drive.effects import catalogue
+from hst_drive.report.terminal import MISSING, size, table
+
+
+def text(result: Diagnosis, short: bool = False) -> str:
+    """Return the diagnosis for a terminal; the short form stops after what was found."""
+    lines = [result.sentence.strip(), '']
+    if result.effects:
+        lines += [_effects(result), '']
+    lines += ['error over the noise floor, held-out data (training data in brackets):',
+              _ladder(result)]
+    if result.unknown and result.unknown.expression:
+        unknown = result.unknown
+        lines += ['', f'the unknown enters at: {unknown.enters.replace("_", " ")}, seen in '
+                  f'{unknown.signal}', *_described(unknown)]
+    if short:
+        return '\n'.join(lines)
+    if result.rivals:
+        lines += ['', 'the next best, alone, and why they are not it:',
+                  *(f'  {name}: {reason}' for name, reason in result.rivals.items())]
+    if result.next_test:
+        lines += ['', f'to tell {", ".join(result.next_test.separates)} apart: '
+                  f'{result.next_test.what}']
+    moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
+    if moved:
+        against = 'what it was when commissioned' if result.since else 'its datasheet'
+        lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
+                  _calibration(moved)]
+    if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
+        lines += ['', 'the smallest size of each other effect that these logs would have shown:',
+                  _smallest(result)]
+    if result.not_observable:
+        lines += ['', 'not observable in these logs:',
+                  *(f'  {name}: {reason}' for name, reason in result.not_observable.items())]
+    return '\n'.join(lines)
+
+
+def _effects(result: Diagnosis) -> str:
+    rows = []
+    for entry in result.effects:
+        parameters = catalogue()[entry.id].parameters
+        for place, parameter in enumerate(parameters):
+            value = entry.parameters[parameter.name]
+            (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
+            rows.append([entry.id if place == 0 else '', parameter.name, middle,
+                         not_known(value.low, value.high, parameter) or f'{low} to {high}', unit,
+                         f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
+    return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
+
+
+def _ladder(result: Diagnosis) -> str:
+    signals = list(result.ladder[0].holdout)
+    rows = [[('+ ' if place > 1 else '') + step.added,
+             *(f'{step.holdout[name]:.2f} ({_ratio(step.training.get(name))})'
+               for name in signals)] for place, step in enumerate(result.ladder)]
+    return table(['model', *signals], rows)
+
+
+def _ratio(value: float | None) -> str:
+    return MISSING if value is None else f'{value:.2f}'
+
+
+def _calibration(moved) -> str:
+    return table(['quantity', 'factor', 'tolerances', ''],
+                 [[entry.quantity, f'{entry.factor:.4f}', f'{entry.sigmas:+.1f}',
+                   'at its limit' if entry.at_limit else ''] for entry in moved])
+
+
+def _smallest(result: Diagnosis) -> str:
+    rows = []
+    for name, smallest in sorted(result.smallest.items()):
+        parameter = catalogue()[name].parameters[0]
+        rows.append([name, parameter.name, *size(smallest, parameter.unit, 3)])
+    return table(['effect', 'parameter', 'size', 'unit'], rows)
+
+
+def _described(unknown: Unknown) -> list[str]:
+    """Say on what the unknown depends and what formula holds, as far as that is known."""
+    on = [f'depends on: {", ".join(unknown.depends_on)}'] if unknown.depends_on else []
+    if not unknown.terms and not unknown.formula:
+        return [*on, f'what it is: {unknown.expression}']
+    return [*on, f'formula: {unknown.expression}',
+            *([f'it explains {100 * unknown.explained:.0f} % of what is left there']
+              if unknown.terms else []), _worth(unknown)]
+
+
+def _worth(unknown: Unknown) -> str:
+    """Say what the formula does to the error when it becomes part of the model."""
+    formula = unknown.formula
+    if formula is None:
+        return 'in the model no formula of these variables lowers the error: nothing to adopt'
+    falls = ', '.join(f'{name} {formula.before[name]:.2f} to {formula.after[name]:.2f}'
+                      for name in formula.before
+                      if abs(formula.before[name] - formula.after[name]) >= 0.05)
+    return (f"in the model ('adopt --formula', {formula.id}) it brings held-out error over the "
+            f'noise down: {falls}')

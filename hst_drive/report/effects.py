@@ -1,0 +1,102 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The catalogue of effects, or one of them, as text and as JSON."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+import textwrap
+
+from hst_drive.effects import catalogue, Effect, left_out, origin, SLOTS
+from hst_drive.errors import InputError
+from hst_drive.report import markup
+from hst_drive.report.terminal import table
+
+_WIDTH = 96
+_HEADER = ('id', 'enters', 'what it is')
+_COLUMNS = ('parameter', 'unit', 'low', 'high', 'typical', 'what it is')
+
+
+def chosen(identity: str | None = None) -> dict[str, Effect]:
+    """
+    Return the whole catalogue, or one effect of it.
+
+    Raises
+    ------
+    InputError
+        If there is no such effect.
+
+    """
+    effects = catalogue()
+    if identity is None:
+        return effects
+    if identity not in effects:
+        near = get_close_matches(identity, effects, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else "'hst-drive effects' lists all"
+        raise InputError(f"unknown effect '{identity}'; {hint}")
+    return {identity: effects[identity]}
+
+
+def text(effects: dict[str, Effect], identity: str | None = None) -> str:
+    """Return effects as a table, or the explanation of the one that was asked for."""
+    return _listing(effects) if identity is None else _explanation(effects[identity])
+
+
+def html(effects: dict[str, Effect], identity: str | None = None) -> str:
+    """Return the same for a page."""
+    if identity is None:
+        return str(markup.table(_HEADER, _rows(effects)))
+    effect = effects[identity]
+    facts = [markup.element('dt', name) + markup.element('dd', told)
+             for name, told in _facts(effect)]
+    return str(markup.element('h3', f'{effect.id}: {effect.title}')
+               + markup.element('dl', markup.join(facts))
+               + markup.table(_COLUMNS, _parameters(effect)))
+
+
+def _listing(effects: dict[str, Effect]) -> str:
+    return table(_HEADER, _rows(effects))
+
+
+def _rows(effects: dict[str, Effect]) -> list[tuple[str, ...]]:
+    order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
+    return [(effect.id, effect.enters, effect.title + (
+        '' if origin(effect.id) == 'hst_drive' else f' (package {origin(effect.id)})'))
+        for effect in sorted(effects.values(), key=lambda effect: order.index(effect.enters))]
+
+
+def _explanation(effect: Effect) -> str:
+    lines = [f'{effect.id}: {effect.title}', '']
+    for name, told in _facts(effect):
+        lines += textwrap.wrap(told, _WIDTH, initial_indent=f'{name:11}',
+                               subsequent_indent=' ' * 11, break_on_hyphens=False)
+    return '\n'.join([*lines, '', table(_COLUMNS, _parameters(effect))])
+
+
+def _facts(effect: Effect) -> list[tuple[str, str]]:
+    return [('enters', f'{effect.enters}: ' + '; '.join(
+                f'{SLOTS[slot].meaning} ({SLOTS[slot].unit})' for slot, _ in effect.terms)),
+            ('equation', effect.equation), ('tell-tale', effect.telltale),
+            ('shows in', ', '.join(effect.shows_in)), ('source', effect.source),
+            ('package', origin(effect.id))]
+
+
+def _parameters(effect: Effect) -> list[tuple]:
+    return [(entry.name, entry.unit, entry.low, entry.high, entry.typical, entry.meaning)
+            for entry in effect.parameters]
+
+
+def as_json(effects: dict[str, Effect]) -> dict:
+    """Return effects in the form of schema hst_drive/effects/1."""
+    return {'schema': 'hst_drive/effects/1', 'left_out': left_out(),
+            'effects': [_entry(effect) for effect in effects.values()]}
+
+
+def _entry(effect: Effect) -> dict[str, object]:
+    return {'id': effect.id, 'title': effect.title, 'enters': effect.enters,
+            'slots': [slot for slot, _ in effect.terms], 'equation': effect.equation,
+            'telltale': effect.telltale, 'source': effect.source, 'shows_in': effect.shows_in,
+            'package': origin(effect.id),
+            'parameters': {entry.name: {
+                'unit': entry.unit, 'low': entry.low, 'high': entry.high,
+                'typical': entry.typical, 'neutral': entry.neutral, 'meaning': entry.meaning}
+                for entry in effect.parameters}}

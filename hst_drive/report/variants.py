@@ -1,0 +1,49 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The models of a page: the one that was given, and those with what a diagnosis found."""
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hst_drive.diagnose.adopt import adopt
+from hst_drive.measure.compare import compare, Comparison, model_of
+from hst_drive.report.fit_sections import Variant
+from hst_drive.rig import parse_rig, Rig
+
+
+def variants_of(content: dict, rig: Rig, given: Comparison, diagnosis: dict | None, source: str,
+                progress: Callable[[str], None] = lambda text: None) -> list[Variant]:
+    """
+    Compare logs with a rig and what a diagnosis found, beside the rig as it was given.
+
+    Parameters
+    ----------
+    content, rig : dict, Rig
+        Mapping of the rig file, and what it says.
+    given : Comparison
+        Logs with that rig.
+    diagnosis, source : dict or None, str
+        What 'diagnose --json' writes, and its file.
+    progress : callable
+        Called with a text while the work goes on.
+
+    """
+    runs = [log.run for log in given.logs]
+    variants = [Variant('model as given', given)]
+    for title, other in _adopted(content, diagnosis, source, rig):
+        progress(f'comparing: {title}')
+        variants.append(Variant(title, compare(model_of(other, runs), runs)))
+    return variants
+
+
+def _adopted(content: dict, diagnosis: dict | None, source: str, rig: Rig) -> list[
+        tuple[str, Rig]]:
+    """Return the rig with what was found added, and with the formula for the unknown."""
+    if not diagnosis:
+        return []
+    formula = (diagnosis.get('unknown') or {}).get('formula')
+    kinds = ([('with what was found', False)] if diagnosis['effects'] else []) + (
+        [('with the formula for the unknown', True)] if formula else [])
+    return [(title, parse_rig(adopt(content, diagnosis, source, rig.source,
+                                    formula=with_formula), rig.source))
+            for title, with_formula in kinds]
