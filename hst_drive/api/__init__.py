@@ -172,7 +172,7 @@ def compare(logs: Any, rig: Rigs = None, *, channels: Channels = None, closed_lo
     file, runs = load_rig(rig), _runs(logs, channels)
     result = work(model_of(file.rig, runs), runs, closed_loop=closed_loop,
                   all_seconds=all_seconds)
-    return Comparison(result, file)
+    return Comparison(result, file, runs)
 
 
 def diagnose(logs: Any, rig: Rigs = None, *, holdout: Any = (), channels: Channels = None,

@@ -53,7 +53,8 @@ class Result(ABC):
         except ImportError:
             raise ImportError("to_frame needs pandas; install it: pip install 'hst_drive[pandas]'"
                               ) from None
-        return pandas.DataFrame(self._table())
+        frame: pandas.DataFrame = pandas.DataFrame(self._table())
+        return frame
 
     def to_json(self) -> dict[str, Any]:
         """Return the document that the command line writes with ``--json``, SI."""
@@ -199,8 +200,8 @@ class Comparison(Result):
 
     """
 
-    def __init__(self, result: _Comparison, rig: RigFile):
-        self.result, self.rig = result, rig
+    def __init__(self, result: _Comparison, rig: RigFile, runs: list[Run]):
+        self.result, self.rig, self._runs = result, rig, runs
 
     @property
     def noise_ratio(self) -> dict[str, float]:
@@ -212,7 +213,7 @@ class Comparison(Result):
         """What in the logs was repaired or looks wrong."""
         from hst_drive.report.comparison import remarks
 
-        return remarks(self.rig.rig, [log.run for log in self.result.logs])
+        return remarks(self.rig.rig, self._runs)
 
     def curves(self, log: int = 0) -> dict[str, np.ndarray]:
         """Return time, and measured and model of each signal, in the units of the field."""
@@ -233,8 +234,8 @@ class Comparison(Result):
         from hst_drive.report.comparison import sentence
         from hst_drive.report.notebook import whole_page
 
-        return whole_page(self.rig.content, self.rig.rig, self.result, sentence(self.result),
-                          height=_HEIGHT)
+        return whole_page(self.rig.content, self.rig.rig, self._runs, self.result,
+                          sentence(self.result), height=_HEIGHT)
 
     def _table(self) -> list[dict[str, Any]]:
         rows = []
@@ -294,8 +295,8 @@ class Diagnosis(Result):
         from hst_drive.report.notebook import whole_page
 
         given = compare(model_of(self.rig.rig, self._runs), self._runs)
-        return whole_page(self.rig.content, self.rig.rig, given, self.sentence, self.to_json(),
-                          self._held_out, height=_HEIGHT)
+        return whole_page(self.rig.content, self.rig.rig, self._runs, given, self.sentence,
+                          self.to_json(), self._held_out, height=_HEIGHT)
 
     def _table(self) -> list[dict[str, Any]]:
         rows = []

@@ -103,7 +103,8 @@ def run(args: argparse.Namespace) -> int:
     say('comparing')
     comparison = compare(model_of(rig, runs), runs)
     diagnosis, remark = _diagnosis(args, rig, runs)
-    variants = variants_of(content, rig, comparison, diagnosis, args.diagnosis or 'diagnosis', say)
+    variants = variants_of(content, rig, runs, comparison, diagnosis,
+                           args.diagnosis or 'diagnosis', say)
     names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
     source = provenance(rig, runs, paths, len(args.holdout),
                         f'hst-drive {shlex.join(sys.argv[1:])}')

@@ -3,7 +3,10 @@
 """The page in a cell of a notebook."""
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hst_drive.measure.compare import Comparison
+from hst_drive.measure.run import Run
 from hst_drive.report.markup import element
 from hst_drive.report.page import page
 from hst_drive.report.provenance import provenance
@@ -13,8 +16,9 @@ from hst_drive.rig import Rig
 _POINTS = 2_000     # of a curve: a cell is narrow, and the notebook keeps what it shows
 
 
-def whole_page(content: dict, rig: Rig, comparison: Comparison, sentence: str,
-               diagnosis: dict | None = None, held_out: int = 0, *, height: int) -> str:
+def whole_page(content: dict, rig: Rig, runs: Sequence[Run], comparison: Comparison,
+               sentence: str, diagnosis: dict | None = None, held_out: int = 0, *,
+               height: int) -> str:
     """
     Return the page of 'hst-drive report' in a frame of its own.
 
@@ -22,8 +26,8 @@ def whole_page(content: dict, rig: Rig, comparison: Comparison, sentence: str,
     ----------
     content, rig : dict, Rig
         Mapping of the rig file, and what it says.
-    comparison : Comparison
-        Logs with that rig.
+    runs, comparison : sequence of Run, Comparison
+        Logs as they were read, and with that rig.
     sentence : str
         The answer.
     diagnosis : dict, optional
@@ -34,8 +38,7 @@ def whole_page(content: dict, rig: Rig, comparison: Comparison, sentence: str,
         Of the frame, pixels.
 
     """
-    runs = [log.run for log in comparison.logs]
-    variants = variants_of(content, rig, comparison, diagnosis, 'diagnosis')
+    variants = variants_of(content, rig, runs, comparison, diagnosis, 'diagnosis')
     source = provenance(rig, runs, [run.source for run in runs], held_out, 'import hst_drive')
     names = ', '.join(run.name for run in runs[:3]) + (', …' if len(runs) > 3 else '')
     text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis,

@@ -3,15 +3,17 @@
 """The models of a page: the one that was given, and those with what a diagnosis found."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.measure.compare import compare, Comparison, model_of
+from hst_drive.measure.run import Run
 from hst_drive.report.fit_sections import Variant
 from hst_drive.rig import parse_rig, Rig
 
 
-def variants_of(content: dict, rig: Rig, given: Comparison, diagnosis: dict | None, source: str,
+def variants_of(content: dict, rig: Rig, runs: Sequence[Run], given: Comparison,
+                diagnosis: dict | None, source: str,
                 progress: Callable[[str], None] = lambda text: None) -> list[Variant]:
     """
     Compare logs with a rig and what a diagnosis found, beside the rig as it was given.
@@ -20,15 +22,14 @@ def variants_of(content: dict, rig: Rig, given: Comparison, diagnosis: dict | No
     ----------
     content, rig : dict, Rig
         Mapping of the rig file, and what it says.
-    given : Comparison
-        Logs with that rig.
+    runs, given : sequence of Run, Comparison
+        Logs as they were read, and with that rig.
     diagnosis, source : dict or None, str
         What 'diagnose --json' writes, and its file.
     progress : callable
         Called with a text while the work goes on.
 
     """
-    runs = [log.run for log in given.logs]
     variants = [Variant('model as given', given)]
     for title, other in _adopted(content, diagnosis, source, rig):
         progress(f'comparing: {title}')

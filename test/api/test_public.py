@@ -13,6 +13,7 @@ import sys
 import hst_drive as hd
 from hst_drive import api
 from hst_drive.cli import main
+from hst_drive.effects import register
 import numpy as np
 import pytest
 
@@ -180,6 +181,17 @@ def test_tables_that_cannot_be_used(given, told):
     with pytest.raises(hd.InputError, match=told) as caught:
         hd.read_log(given)
     assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize('effect, told', [
+    ('stiff_seal', 'expected an hst_drive.effects.Effect'),
+    (hd.effects('motor_leakage').declared['motor_leakage'], 'already')])
+def test_register_refuses(effect, told):
+    """What does not fit, or would take the place of an effect of the catalogue, stays out."""
+    before = hd.effects().ids
+    with pytest.raises(hd.InputError, match=told):
+        register(effect)
+    assert hd.effects().ids == before
 
 
 def test_a_log_counts_once(log):
