@@ -13,6 +13,8 @@ def flow_loss(displacement, pump_speed, max_displacement, nominal_speed, share_a
               begins_at, exponent):
     """Return the delivery that is missing, m^3/s."""
     full = max_displacement * nominal_speed
+    if full <= 0.0:
+        return 0.0      # the rig file of a part gives none
     beyond = max(displacement * pump_speed / full - begins_at, 0.0) / (1.0 - begins_at)
     return share_at_full * full * beyond**exponent
 
