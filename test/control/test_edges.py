@@ -186,8 +186,7 @@ def test_a_new_level_is_taken_in_once_the_fault_is_there():
 
 def test_the_stamp_tolerance_is_still_good_on_both_sides_and_may_be_off():
     for clock, usable in ((101.5, True), (100.5, True), (101.25, True), (101.0, True),
-                          (101.5 + STEP, False),
-                          (100.5 - STEP, False)):
+                          (101.5 + STEP, False), (100.5 - STEP, False)):
         assert Readings(stamp_tolerance=0.5).give(10.0, stamp=101.0, clock=clock) == [usable]
     assert Readings(stamp_tolerance=0.0).give(10.0, clock=1e9) == [True]
     assert Readings().give(10.0, clock=None) == [True]
@@ -208,6 +207,10 @@ def test_a_stamp_that_stands_or_runs_back():
     assert readings.give(10.5, stamp=5.0) == [False]
     assert readings.give(10.5, stamp=4.0) == [False]
     assert readings.give(10.5, stamp=4.5) == [True]
+    for stamp in (float('5.0'), 4.0):
+        readings = Readings(bad_readings=1)
+        readings.give(10.0, stamp=5.0)
+        assert readings.give(10.5, stamp=stamp) == [False] and readings.kind == 'feedback_time'
 
 
 def test_times_that_are_just_kept():
@@ -355,8 +358,13 @@ def test_a_fault_says_what_it_is_and_what_was_found():
 @pytest.mark.parametrize('kind', [kind for kind in FAULTS if kind != 'emergency_stop'])
 def test_an_emergency_stop_outranks_every_fault_and_nothing_outranks_it(kind):
     watch = Supervisor(SafetySettings(stop_time=4.0, emergency_stop_time=1.0))
-    watch.fault = Fault(kind, 'found', 1.0)
+    watch.fault = first = Fault(kind, 'found', 1.0)
+    watch.wish(1.5, -1.0)
+    watch.formed(1.5, 11.0)
+    assert watch.fault == first, 'the first one is told'
+    assert watch.ramp(2.0, 8.0) == 5.5, '10 V in 4 s, for the second since it came'
     watch.press('topic', True, 2.0)
+    assert watch.ramp(2.25, 8.0) == 3.0, '10 V in 1 s'
     assert watch.fault == Fault('emergency_stop', 'by topic', 2.0)
     watch.press('service', True, 3.0)
     watch.wish(3.0, -1.0)
