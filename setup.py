@@ -52,7 +52,7 @@ setup(
     maintainer_email='maintainers@hst-drive.example',
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', 'report/assets/*', 'workbench/assets/*']},
+    package_data={NAME: ['py.typed', 'export/*.c', 'report/assets/*', 'workbench/assets/*']},
     data_files=data_files,
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.5'],
@@ -61,7 +61,7 @@ setup(
         'fast': ['numba>=0.59'],
         'pandas': ['pandas>=2.1'],
         'plot': ['matplotlib>=3.6'],
-        'test': ['hypothesis', 'mypy', 'pandas', 'pint', 'playwright', 'pytest', 'rosbags'],
+        'test': ['fmpy', 'hypothesis', 'mypy', 'pandas', 'pint', 'playwright', 'pytest', 'rosbags'],
     },
     zip_safe=True,
     entry_points={

@@ -185,10 +185,8 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     import numba
     from numba.core.options import DefaultOptions
 
-    parts = ['import numba', '', text]
+    parts = ['import numba', '', python_of(text, effects)]
     terms = _terms(effects)
-    for key, effect, _, function in terms:
-        parts.append(_function_source(effect.id, function, key))
     # Inlined, the inner functions cost half: a call hands over some forty words.
     inline = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
               'load_model', 'shaft', 'balances', 'derivatives')
@@ -219,6 +217,12 @@ def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def python_of(text: str, effects: dict[str, Effect]) -> str:
+    """Return a generated text with the functions of its effects behind it."""
+    return '\n\n'.join([text, *(_function_source(effect.id, function, key)
+                                for key, effect, _, function in _terms(effects))])
 
 
 def _function_source(identity: str, function: Callable, name: str) -> str:

@@ -1,0 +1,3 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of the model for other simulators."""
