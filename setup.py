@@ -61,7 +61,8 @@ setup(
         'fast': ['numba>=0.59'],
         'pandas': ['pandas>=2.1'],
         'plot': ['matplotlib>=3.6'],
-        'test': ['fmpy', 'hypothesis', 'mypy', 'pandas', 'pint', 'playwright', 'pytest', 'rosbags'],
+        'test': ['fmpy', 'hypothesis', 'mypy', 'pandas', 'pint', 'playwright', 'pytest',
+                 'rosbags'],
     },
     zip_safe=True,
     entry_points={

@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Translate, compile and write."""
+    from hst_drive.export.c_source import Untranslatable
     from hst_drive.export.fmu import IDENTIFIER, unit_of
     from hst_drive.model import Drive
     from hst_drive.rig import default_rig, load_rig
@@ -50,7 +51,11 @@ def run(args: argparse.Namespace) -> int:
     refuse_to_replace(args.output, args.force)
     check_target(args.output)
     drive = Drive(load_rig(args.rig) if args.rig else default_rig())
-    unit = unit_of(drive)
+    try:
+        unit = unit_of(drive)
+    except Untranslatable as error:
+        raise InputError(f'an effect of {drive.rig.source or drive.rig.name} cannot be said in C: '
+                         f'{error}') from None
     folder = _PLATFORMS.get(platform.machine(), f'{platform.machine()}-linux')
     packed = BytesIO()
     with ZipFile(packed, 'w', ZIP_DEFLATED) as file:
@@ -85,8 +90,8 @@ def compiled(source: str) -> bytes:
     """
     compiler = os.environ.get('CC') or next(filter(shutil.which, ('cc', 'gcc', 'clang')), None)
     if compiler is None or shutil.which(compiler) is None:
-        raise InputError(f"no C compiler found ({compiler or 'cc, gcc, clang'}); export needs one: "
-                         "'sudo apt install gcc', or set CC")
+        raise InputError(f"no C compiler found ({compiler or 'cc, gcc, clang'}); export needs "
+                         "one: 'sudo apt install gcc', or set CC")
     with TemporaryDirectory() as folder:
         path, library = Path(folder) / 'drive.c', Path(folder) / 'drive.so'
         path.write_text(source, encoding='utf-8')

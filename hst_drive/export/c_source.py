@@ -23,7 +23,7 @@ _MATH = {'sqrt': 'sqrt', 'exp': 'exp', 'tanh': 'tanh', 'sin': 'sin', 'cos': 'cos
          'expm1': 'expm1', 'log1p': 'log1p'}
 _CONSTANTS = {'pi': '3.14159265358979323846', 'nan': 'NAN', 'inf': 'INFINITY',
               'e': '2.71828182845904523536', 'tau': '6.28318530717958647693'}
-PROLOGUE = '''#include <math.h>
+PROLOGUE = """#include <math.h>
 #include <string.h>
 
 /* As Python's: the first of two that are equal, or of which one is no number. */
@@ -31,7 +31,7 @@ static double least(double a, double b) { return b < a ? b : a; }
 static double most(double a, double b) { return b > a ? b : a; }
 static long least_of(long a, long b) { return b < a ? b : a; }
 static long most_of(long a, long b) { return b > a ? b : a; }
-'''
+"""
 
 
 class Array(NamedTuple):
@@ -80,7 +80,8 @@ def translate(source: str, arrays: Mapping[str, Array], rows: int,
     known = _Known(constants, arrays, frozenset(integers), widths)
     bodies = [_Function(node, known) for node in functions]
     return '\n'.join([
-        PROLOGUE, f'#define ROWS {rows}', *(f'#define {name} {value}' for name, value in constants.items()), '',
+        PROLOGUE, f'#define ROWS {rows}',
+        *(f'#define {name} {value}' for name, value in constants.items()), '',
         *(f'{body.head};' for body in bodies), '', *(body.text for body in bodies)])
 
 
