@@ -61,6 +61,8 @@ UNITS: dict[str, Unit] = {
     'm^3': Unit('m^3', 1.0), 'L': Unit('m^3', 1e-3), 'cm^3': Unit('m^3', 1e-6),
     'kg/m^3': Unit('kg/m^3', 1.0), 'kg.m^2': Unit('kg.m^2', 1.0),
     'Pa.s/m^3': Unit('Pa.s/m^3', 1.0), 'bar/(L/min)': Unit('Pa.s/m^3', 1e5 * 60e3),
+    '1/s': Unit('1/s', 1.0), 'Pa.s^2/m^3': Unit('Pa.s^2/m^3', 1.0),
+    'kg/m^4': Unit('Pa.s^2/m^3', 1.0),
     'Pa.s^2/m^6': Unit('Pa.s^2/m^6', 1.0), 'bar/(L/min)^2': Unit('Pa.s^2/m^6', 1e5 * 60e3**2),
     'm^3/(s.Pa)': Unit('m^3/(s.Pa)', 1.0), 'L/min/bar': Unit('m^3/(s.Pa)', 1e-5 / 60e3),
     'N.m.s/rad': Unit('N.m.s/rad', 1.0), 'N.m.s^2/rad^2': Unit('N.m.s^2/rad^2', 1.0),

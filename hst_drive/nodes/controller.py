@@ -44,6 +44,7 @@ class Controller(DriveNode):
         super().__init__()
         self._audit = Audit(self, self._tell)
         self._law: PiController | None = None
+        self._stops: StopInputs | None = None
         self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._change)
 
@@ -100,7 +101,7 @@ class Controller(DriveNode):
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""
         # In a simulated run the plant ends at the same time.
-        if self.lockstep or self.partners or not self.outputs:
+        if self.lockstep or self.partners or not self.outputs or self._stops is None:
             return
         self._audit.note(f'the drive ends; it was {self._watch.state}, at {self._command:.4g} V')
         if not self._command > 0.0:
