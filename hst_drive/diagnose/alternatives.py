@@ -80,7 +80,8 @@ def plainer(search: Search, best: Candidate) -> Candidate:
             'trying rivals', again=True)]
         as_good = [rival for rival in rivals if _leaves_as_little(search, best, rival)]
         if as_good:
-            return min(as_good, key=lambda rival: rival.score)
+            # In its place a plainer one still may do.
+            return plainer(search, min(as_good, key=lambda rival: rival.score))
     return best
 
 
