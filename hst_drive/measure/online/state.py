@@ -218,9 +218,11 @@ class State:
                               - table(known['pump_command'] - 0.05)) / 0.1
             speed = self.mean(known.get('pump_speed', rig.pump.shaft_speed))
             stroke = 'pump_displacement' if STROKE in self.cut else 'pump_flow'
-            add('pump_command', stroke, steep * (1.0 if STROKE in self.cut else speed))
+            per_stroke = 1.0 if STROKE in self.cut else speed
+            add('pump_command', stroke, steep * per_stroke)
+            add('pump_yield', stroke, -per_stroke)
             add('pump_lag', stroke, -self.slope(known.get('displacement', 0.0 * self.level))
-                * (1.0 if STROKE in self.cut else speed))
+                * per_stroke)
             if 'pump_speed' not in self.cut and 'displacement' in known:
                 add('pump_speed', 'pump_flow', self.mean(known['displacement']))
         add('pump_flow_loss', 'pump_flow', -1.0)
