@@ -28,9 +28,11 @@ class Audit:
 
     def writers(self, topic: str) -> str:
         """Return which nodes publish a topic."""
+        # The middleware may know a publisher before it knows whose it is.
         return _listed(_full(entry.node_namespace, entry.node_name) for entry in
                        self._node.get_publishers_info_by_topic(
-                           self._node.resolve_topic_name(topic)))
+                           self._node.resolve_topic_name(topic))
+                       if entry.node_name != '_NODE_NAME_UNKNOWN_')
 
     def callers(self, service: str) -> str:
         """Return which nodes have a client of a service."""
