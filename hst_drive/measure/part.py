@@ -34,6 +34,7 @@ _USUAL = 95.0           # percentile of a reading's size
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
 _CREEPING = 0.05
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
+_UNKNOWN = 0.05         # of what a smoothed row is made of
 _SCATTER = 5.0          # deviations of the speed's noise: below it no sign is known
 
 
@@ -218,7 +219,7 @@ class PartReplay:
         unknown = self._missing
         if self.balances[name] in ('hydromotor torque', 'mass'):
             unknown = unknown | (np.abs(self._channels['motor_speed']) <= self._creeping)
-        missing = np.convolve(unknown, np.ones(2 * spread + 1), 'same') > 0.5
+        missing = unknown | (self._smooth(unknown, name) > _UNKNOWN)
         missing[:spread] = True
         missing[len(missing) - spread:] = True
         values[missing] = np.nan
