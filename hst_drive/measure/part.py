@@ -262,9 +262,7 @@ class PartReplay:
             known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
             if source == 'motor_inlet_pressure':
                 known['pressure'] = known['pump_pressure']
-            # A return line is predicted, by what stands in it; a second port is taken as read.
-            if 'motor_outlet_pressure' in channels and (
-                    'motor_outlet_pressure' not in self.balances):
+            if 'motor_outlet_pressure' in channels:
                 known['outlet_pressure'] = channels['motor_outlet_pressure']
         self._add_flow(model, known, channels)
         if source == 'pump_outlet_pressure' and 'motor_inlet_pressure' not in channels and (

@@ -139,10 +139,12 @@ class PartModel:
         direction = np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
         if 'pressure' in known:
             outlet = known.get('outlet_pressure')
+            highest = np.abs(pressure)
             if outlet is not None:
+                highest = np.maximum(pressure, outlet)
                 known = {**known, 'pressure': pressure - outlet}
             efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(np.abs(known['pressure']), np.abs(speed)))
+                self.rig.motor.mechanical_efficiency(highest, np.abs(speed)))
             back = self.terms('back_pressure', known) if outlet is None else 0.0
             # A cavitating inlet neither drives nor brakes.
             ideal = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0)) * (
