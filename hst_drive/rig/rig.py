@@ -239,6 +239,13 @@ class Rig:
         """Whether all sections of the drive are there."""
         return all(getattr(self, name) is not None for name in WHOLE)
 
+    @property
+    def full_speed(self) -> float:
+        """Speed of the hydromotor on the pump's full flow, rad/s; 0 where it is not given."""
+        if not (self.pump and self.motor and self.motor.displacement):
+            return 0.0
+        return self.pump.max_displacement * self.pump.shaft_speed / self.motor.displacement
+
     def require(self, *sections: str, purpose: str) -> None:
         """
         Check that the rig has these sections.
