@@ -58,7 +58,8 @@ class PartCampaign(Campaign):
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
         self._torque, self._speed = (
             max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
-            for names, reference in ((TORQUES, _TORQUE), (('motor_speed',), DRILLING_SPEED)))
+            for names, reference in (((*TORQUES, 'pump_torque'), _TORQUE),
+                                     (('motor_speed',), DRILLING_SPEED)))
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else EVENTS
 

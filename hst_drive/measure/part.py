@@ -317,15 +317,25 @@ class PartReplay:
             known = {**known, **resting(model, known, channels)}
         return model.stroke(self.run.time, channels['pump_command'], known)
 
-    def _delivered(self, model, known, channels, name) -> np.ndarray:
-        known = dict(known)
+    def _with_stroke(self, model, known, channels, name) -> dict[str, Any]:
+        """Return what is known, and the displacement on which the pump stands."""
         if 'pump_displacement' in channels:
-            known['displacement'] = channels['pump_displacement']
+            stroke = channels['pump_displacement']
         elif 'pump_command' in channels and model.rig.pump.displacement is not None:
-            known['displacement'] = self._stroke(model, known, channels, name)
+            stroke = self._stroke(model, known, channels, name)
         else:
-            known['displacement'] = np.full(len(self.run), model.factor(
+            stroke = np.full(len(self.run), model.factor(
                 'pump.displacement_vs_command') * model.rig.pump.max_displacement)
+        return {**known, 'displacement': stroke}
+
+    def _pump_torque(self, model, known, channels, name) -> np.ndarray:
+        return model.pump_torque(self._with_stroke(model, known, channels, name))
+
+    def _pump_power(self, model, known, channels, name) -> np.ndarray:
+        return self._pump_torque(model, known, channels, name) * model.pump_speed(known)
+
+    def _delivered(self, model, known, channels, name) -> np.ndarray:
+        known = self._with_stroke(model, known, channels, name)
         return self._smooth(model.pump_flow(known), name) - self._smooth(
             model.capacity(known), name) * self._rate(known['pump_pressure'], name)
 

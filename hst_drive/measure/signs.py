@@ -20,7 +20,8 @@ from hst_drive.rig import Rig
 import numpy as np
 from scipy.optimize import lsq_linear
 
-_SIGNED = ('motor_speed', *TORQUES, 'motor_inlet_flow', 'pump_speed', 'pump_displacement')
+_SIGNED = ('motor_speed', *TORQUES, 'motor_inlet_flow', 'pump_speed', 'pump_displacement',
+           'pump_torque', 'pump_power')
 _SPEED, _OUTLET = _SIGNED[0], 'motor_outlet_pressure'
 _LOSSES = {'hydromotor torque': -1.0, 'mass': 1.0}  # with what sign friction enters a balance
 _SLOWER = 0.02      # s: signs show in what is slow

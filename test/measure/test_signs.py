@@ -48,6 +48,13 @@ def pump():
         'motor_inlet_flow': 10e-6 / (2 * np.pi) * speed - 1e-13 * pressure}, 'pump.csv')
 
 
+def driven():
+    """Return a bench of the same pump with the power at its shaft."""
+    run = pump()
+    power = 1.1 * 10e-6 / (2 * np.pi) * run['pump_outlet_pressure'] * run['pump_speed']
+    return replace(run, channels={**run.channels, 'pump_power': power})
+
+
 FIXED = parse_rig({'pump': {'shaft_speed_rpm': 1450, 'max_displacement_cc_rev': 10.0}})
 
 
@@ -58,7 +65,7 @@ def spoilt(run, *names):
 
 @pytest.mark.parametrize('rig, run', [
     (AXIS, axis()), (MOTOR, bench()), (MOTOR, bench(False)), (MOTOR, bench(loss=0.0)),
-    (FIXED, pump())])
+    (FIXED, pump()), (FIXED, driven())])
 def test_sound_signs_are_not_doubted(rig, run):
     assert unit_doubts(rig, run) == []
 
@@ -75,7 +82,8 @@ def test_the_channel_is_named(rig, run, channel):
 
 @pytest.mark.parametrize('rig, run, channel, others', [
     (AXIS, axis(), 'motor_torque', 'motor_speed or motor_torque'),
-    (FIXED, pump(), 'motor_inlet_flow', 'motor_inlet_flow or pump_speed')])
+    (FIXED, pump(), 'motor_inlet_flow', 'motor_inlet_flow or pump_speed'),
+    (FIXED, driven(), 'pump_power', 'pump_power or pump_outlet_pressure')])
 def test_what_the_balances_cannot_tell_apart_is_named_together(rig, run, channel, others):
     told, = unit_doubts(rig, spoilt(run, channel))
     assert told.startswith(f'{others} seems to have the {WRONG}')
