@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A pump on a bench with torque or power at its shaft: judged by formulas written here."""
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig
 import numpy as np
@@ -35,3 +36,14 @@ def test_friction_of_the_pump_is_named_and_sized(channel):
     assert (result.verdict, found.id) == ('missing_effect', 'pump_friction')
     assert found.parameters['coulomb'].value == pytest.approx(2.0, rel=0.05)
     assert found.parameters['load_share'].value == pytest.approx(0.08, rel=0.05)
+
+
+@pytest.mark.parametrize('channel', ['pump_torque', 'pump_power', 'motor_inlet_flow'])
+def test_a_rig_file_without_the_pump_is_told_in_one_line(channel):
+    run, rig = bench('pump_power'), parse_rig({'motor': {'displacement_cc_rev': 28}})
+    rows = Run('bench', run.time, {
+        'pump_outlet_pressure': run['pump_outlet_pressure'], 'pump_speed': run['pump_speed'],
+        'pump_displacement': np.full(len(run), SIZE), channel: run['pump_power']}, 'bench.csv')
+    with pytest.raises(InputError, match='close no balance') as it:
+        diagnose(rig, [rows])
+    assert '\n' not in str(it.value)
