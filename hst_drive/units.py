@@ -49,6 +49,7 @@ UNITS: dict[str, Unit] = {
     'N.m': Unit('N.m', 1.0), 'kN.m': Unit('N.m', 1e3), 'lbf.ft': Unit('N.m', _LBF_FT),
     'klbf.ft': Unit('N.m', 1e3 * _LBF_FT), 'lbf.in': Unit('N.m', _LBF_FT / 12.0),
     'kgf.m': Unit('N.m', 9.80665),
+    'W': Unit('W', 1.0), 'kW': Unit('W', 1e3),
     'm^3/rad': Unit('m^3/rad', 1.0), 'cc/rev': Unit('m^3/rad', 1e-6 / _REV),
     'm^3/rev': Unit('m^3/rad', 1.0 / _REV), 'in^3/rev': Unit('m^3/rad', _INCH3 / _REV),
     'rad': Unit('rad', 1.0), 'deg': Unit('rad', _REV / 360.0), 'rev': Unit('rad', _REV),

@@ -152,6 +152,8 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
         Field('velocity[0]', 'rad/s', 'pump shaft speed', 'pump_speed'),), on=False),
     _scalar('pump_displacement', 'm^3/rad', 'pump displacement', 'pump', 'plant', on=False),
     _scalar('motor_torque', 'N.m', 'hydromotor shaft torque', 'motor', 'plant', on=False),
+    _scalar('pump_torque', 'N.m', 'pump shaft torque', 'pump', 'rig', on=False),
+    _scalar('pump_power', 'W', 'pump shaft power', 'pump', 'rig', on=False),
     _ratios('efficiency', 'from the measured signals'),
     _ratios('model_efficiency', 'from the loss model'),
     _losses('losses', 'from the measured signals'),

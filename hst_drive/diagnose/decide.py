@@ -12,7 +12,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.conditions import outside
 from hst_drive.diagnose.design import in_short
-from hst_drive.diagnose.fit import at_limit, Fit, fit
+from hst_drive.diagnose.fit import at_limit, Fit, fit, settled
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import excess, judged
 from hst_drive.diagnose.limits import relieves
@@ -109,10 +109,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)} \
         if instead else {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
-    found = intervals(campaign, best.fit, forms(search, best)) if best.names else {}
+    sized, sizes = settled(campaign, best.fit)
+    found = intervals(sized, sizes, forms(search, best)) if best.names else {}
     effects = tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
-               for key, value in best.fit.model.effects[name].items()},
+               for key, value in sizes.model.effects[name].items()},
         removed, rivals[name], dict(rig.effects.get(name, {})))
         for name, removed in zip(order, _removed(search, ladder)))
     ranking = _ranking(search)

@@ -158,6 +158,15 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
     return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
 
 
+def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
+    """Return the campaign that sizes are taken from (``Campaign.settled``), and the fit in it."""
+    own = campaign.settled(fitted.errors)
+    if own is campaign:
+        return campaign, fitted
+    kept = {*Unknowns(own, fitted.model).names} - {*fitted.names}
+    return own, fit(own, fitted.model, kept=kept, refresh=True)
+
+
 def calibrated(campaign: Campaign) -> Fit:
     """
     Return the fit of the unit's factors alone.

@@ -7,7 +7,7 @@ from typing import Sequence
 
 from hst_drive.diagnose.campaign import (
     BLOCK, Campaign, EVENTS, Model, SETTLE)
-from hst_drive.diagnose.columns import Column
+from hst_drive.diagnose.columns import Column, columns
 from hst_drive.diagnose.observable import unread
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.base import DRILLING_SPEED
@@ -49,6 +49,7 @@ class PartCampaign(Campaign):
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         super().__init__(rig, runs, holdout)
+        self._named = bool(holdout)
         self._still = self.errors(Model())
         self.tolerances = {key: value for key, value in self.tolerances.items()
                            if self._moves(Model({}, {key: value}))}
@@ -57,7 +58,8 @@ class PartCampaign(Campaign):
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
         self._torque, self._speed = (
             max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
-            for names, reference in ((TORQUES, _TORQUE), (('motor_speed',), DRILLING_SPEED)))
+            for names, reference in (((*TORQUES, 'pump_torque'), _TORQUE),
+                                     (('motor_speed',), DRILLING_SPEED)))
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else EVENTS
 
@@ -98,6 +100,20 @@ class PartCampaign(Campaign):
         part = np.where((time / length).astype(int) % 3 == 1, -1, 1)
         part[time < min(SETTLE, 0.02 * time[-1])] = 0
         return part
+
+    def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
+        """
+        Return a campaign of all rows, those judged on too, whose floors are what a model leaves.
+
+        A machine parts from every formula by more than its sensors scatter: by their noise alone
+        the rows with the slowest signals would tell all. Logs named to judge on stay out.
+        """
+        left = self.ratios(errors, held_out=True)
+        own = self.of_logs(lambda log: True, all_to_fit=not self._named)
+        own.floors = [{name: floor * max(left.get(name, 1.0), 1.0)
+                       for name, floor in floors.items()} for floors in self.floors]
+        own.columns = columns(own.replays, own.floors, own._weights)
+        return own
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""

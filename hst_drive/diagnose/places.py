@@ -99,6 +99,8 @@ def _parts(campaign: PartCampaign) -> list[Place]:
         'mass': ('torque on the mass', 'torque', 'N.m', _TORQUE, 'formula_torque', -1.0),
         'pump flow': ('oil delivered by the pump', 'flow', 'm^3/s', _PUMP, 'formula_pump_flow',
                       1.0),
+        'pump torque': ('torque of the pump', 'torque', 'N.m', _PUMP, '', 1.0),
+        'pump power': ('power of the pump', 'torque', 'W', _PUMP, '', 1.0),
         'hydromotor flow': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
                             'formula_motor_flow', -1.0),
         'hydromotor speed': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Collection
 
 from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import at_its_end, Fit
+from hst_drive.diagnose.fit import at_its_end, Fit, settled
 from hst_drive.diagnose.intervals import Spread, spread
 from hst_drive.diagnose.judge import AT_NOISE, excess, judged
 from hst_drive.diagnose.search import Candidate, Search
@@ -27,8 +27,9 @@ _SURE = 1.96    # standard deviations: half of a 95 % interval
 def standing(search: Search, best: Candidate) -> Candidate:
     """Return what may be named of a set, fitted without the rest."""
     while best.names:
-        known = spread(search.campaign, best.fit, forms(search, best))
-        sure = {name: _sigmas(search.campaign, best.fit.model, known, name)
+        campaign, sizes = settled(search.campaign, best.fit)
+        known = spread(campaign, sizes, forms(search, best))
+        sure = {name: _sigmas(campaign, sizes.model, known, name)
                 for name in best.names}
         weakest = min(sure, key=sure.get)
         if sure[weakest] >= _SURE:

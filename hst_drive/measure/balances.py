@@ -17,6 +17,7 @@ _FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
 _BACKWARDS, _SELDOM = 0.02, 0.01     # of the greatest speed; of the rows
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
+_STROKES = ('pump_command', 'pump_displacement', FIXED_PUMP)
 
 
 class Balance(NamedTuple):
@@ -42,8 +43,10 @@ BALANCES: tuple[Balance, ...] = (
     Balance('stroke', ('pump_displacement',), (('pump_command',),),
             ('pump.displacement_vs_command',)),
     Balance('pump flow', ('motor_inlet_flow',),
-            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'),
-             ('pump_command', 'pump_displacement', FIXED_PUMP)), ()),
+            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'), _STROKES), ('pump',)),
+    Balance('pump torque', ('pump_torque',), (PRESSURES[::-1], _STROKES), ('pump',)),
+    Balance('pump power', ('pump_power',),
+            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'), _STROKES), ('pump',)),
     Balance('hydromotor flow', ('motor_inlet_flow',), (PRESSURES, ('motor_speed',)),
             ('motor.displacement_cc_rev',)),
     Balance('hydromotor speed', ('motor_speed',), (PRESSURES, ('motor_inlet_flow',)),

@@ -34,6 +34,7 @@ _USUAL = 95.0           # percentile of a reading's size
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
 _CREEPING = 0.05
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
+_UNKNOWN = 0.05         # of what a smoothed row is made of
 _SCATTER = 5.0          # deviations of the speed's noise: below it no sign is known
 
 
@@ -218,7 +219,7 @@ class PartReplay:
         unknown = self._missing
         if self.balances[name] in ('hydromotor torque', 'mass'):
             unknown = unknown | (np.abs(self._channels['motor_speed']) <= self._creeping)
-        missing = np.convolve(unknown, np.ones(2 * spread + 1), 'same') > 0.5
+        missing = unknown | (self._smooth(unknown, name) > _UNKNOWN)
         missing[:spread] = True
         missing[len(missing) - spread:] = True
         values[missing] = np.nan
@@ -261,9 +262,7 @@ class PartReplay:
             known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
             if source == 'motor_inlet_pressure':
                 known['pressure'] = known['pump_pressure']
-            # A return line is predicted, by what stands in it; a second port is taken as read.
-            if 'motor_outlet_pressure' in channels and (
-                    'motor_outlet_pressure' not in self.balances):
+            if 'motor_outlet_pressure' in channels:
                 known['outlet_pressure'] = channels['motor_outlet_pressure']
         self._add_flow(model, known, channels)
         if source == 'pump_outlet_pressure' and 'motor_inlet_pressure' not in channels and (
@@ -318,15 +317,25 @@ class PartReplay:
             known = {**known, **resting(model, known, channels)}
         return model.stroke(self.run.time, channels['pump_command'], known)
 
-    def _delivered(self, model, known, channels, name) -> np.ndarray:
-        known = dict(known)
+    def _with_stroke(self, model, known, channels, name) -> dict[str, Any]:
+        """Return what is known, and the displacement on which the pump stands."""
         if 'pump_displacement' in channels:
-            known['displacement'] = channels['pump_displacement']
+            stroke = channels['pump_displacement']
         elif 'pump_command' in channels and model.rig.pump.displacement is not None:
-            known['displacement'] = self._stroke(model, known, channels, name)
+            stroke = self._stroke(model, known, channels, name)
         else:
-            known['displacement'] = np.full(len(self.run), model.factor(
+            stroke = np.full(len(self.run), model.factor(
                 'pump.displacement_vs_command') * model.rig.pump.max_displacement)
+        return {**known, 'displacement': stroke}
+
+    def _pump_torque(self, model, known, channels, name) -> np.ndarray:
+        return model.pump_torque(self._with_stroke(model, known, channels, name))
+
+    def _pump_power(self, model, known, channels, name) -> np.ndarray:
+        return self._pump_torque(model, known, channels, name) * model.pump_speed(known)
+
+    def _delivered(self, model, known, channels, name) -> np.ndarray:
+        known = self._with_stroke(model, known, channels, name)
         return self._smooth(model.pump_flow(known), name) - self._smooth(
             model.capacity(known), name) * self._rate(known['pump_pressure'], name)
 

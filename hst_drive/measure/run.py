@@ -16,7 +16,7 @@ _STEPPING = 0.9         # share of them that lies where the controller steps
 
 # By unit: what is beyond it is a slip of the unit or a fault code, not a hydraulic drive.
 _IMPOSSIBLE = {'V': 1e3, 'rpm': 1e5, 'degC': 1e3, 'bar': 1e4, 'L/min': 1e6, 'N.m': 1e8,
-               'cc/rev': 1e6}
+               'cc/rev': 1e6, 'kW': 1e6}
 
 
 class Channel(NamedTuple):
@@ -53,6 +53,8 @@ CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
     Channel('load_torque', 'N.m', 'linear', 'load torque'),
     Channel('pump_displacement', 'cc/rev', 'linear', 'pump displacement'),
     Channel('motor_torque', 'N.m', 'linear', 'hydromotor shaft torque'),
+    Channel('pump_torque', 'N.m', 'linear', 'pump shaft torque'),
+    Channel('pump_power', 'kW', 'linear', 'pump shaft power'),
 )}
 
 

@@ -14,8 +14,8 @@ from hst_drive.units import from_si
 import numpy as np
 
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
-_TURNS = 0.1        # rad/s: about 1 rpm, several times what a speed sensor scatters
-_SCATTER = 5.0      # deviations of its noise: a part of a drive may turn as slowly as it likes
+_TURNS = 0.0046     # of the full speed; of a part nobody knows that: it may turn as slowly
+_SCATTER = 5.0      # as it likes, but not within so many deviations of its sensor's noise
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 _STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
 
@@ -64,8 +64,8 @@ def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
 def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
     """Raise InputError where no row of the signals that were measured can be judged."""
     raise InputError(f'{source}: no row of {", ".join(names)} can be judged: each is missing, or '
-                     'the drive rests or creeps (below 0.5 rad/s, 5 rpm; a part: below 5 % of its '
-                     'usual speed); record it turning')
+                     'the drive rests or creeps (below 2.3 % of its full speed; a part: below 5 % '
+                     'of its usual speed); record it turning')
 
 
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
@@ -100,10 +100,10 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
 
 def _least_turn(rig: Rig, run: Run, speed: np.ndarray) -> float:
     """Return the speed (rad/s) up to which a drive is taken for one at rest."""
-    if not is_part(run, rig):
-        return _TURNS
-    # Operating points lie apart, which is no noise.
-    return 0.0 if is_table(run) else _SCATTER * steady_noise(speed)
+    if is_part(run, rig) and is_table(run):
+        return 0.0      # operating points lie apart, which is no noise
+    full = 0.0 if is_part(run, rig) else rig.full_speed
+    return max(_TURNS * full, _SCATTER * steady_noise(speed))
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

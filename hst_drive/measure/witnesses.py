@@ -13,8 +13,9 @@ from typing import Mapping, NamedTuple, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
-from hst_drive.measure.balances import PRESSURES
+from hst_drive.measure.balances import is_part, PRESSURES
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.signs import swapped
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -101,8 +102,10 @@ def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
                                     or _median(temperature) < _COLDEST):
         found.append(f'oil_temperature is {_median(temperature) - 273.15:.0f} degC in the median, '
                      'which no oil is (degC, K or degF taken for each other?)')
-    return found + [line for group in _groups(rig, run)
-                    for line in _factor(group, sure)]
+    found += [line for group in _groups(rig, run) for line in _factor(group, sure)]
+    if not found and is_part(run, rig) and (line := swapped(rig, run)):
+        found.append(line)
+    return found
 
 
 def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:

@@ -139,10 +139,12 @@ class PartModel:
         direction = np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
         if 'pressure' in known:
             outlet = known.get('outlet_pressure')
+            highest = np.abs(pressure)
             if outlet is not None:
+                highest = np.maximum(pressure, outlet)
                 known = {**known, 'pressure': pressure - outlet}
             efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(np.abs(known['pressure']), np.abs(speed)))
+                self.rig.motor.mechanical_efficiency(highest, np.abs(speed)))
             back = self.terms('back_pressure', known) if outlet is None else 0.0
             # A cavitating inlet neither drives nor brakes.
             ideal = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0)) * (
@@ -202,6 +204,20 @@ class PartModel:
         asked = self.factor('pump.displacement_vs_command') * self.rig.pump.displacement(command)
         return np.maximum(asked - self.terms('pump_yield', {**known, 'displacement': asked}), 0.0)
 
+    def pump_speed(self, known: Known) -> Any:
+        """Return the speed of the pump's shaft, rad/s: as measured, or as the rig gives it."""
+        speed = known.get('pump_speed')
+        return self.rig.pump.shaft_speed + self.terms('pump_speed', known) if (
+            speed is None) else speed
+
+    def pump_torque(self, known: Known) -> Any:
+        """Return the torque (N.m) that drives a pump of known stroke; ISO 4391's sign."""
+        pressure, speed = known['pump_pressure'], self.pump_speed(known)
+        ideal = known['displacement'] * pressure
+        lost = (1.0 / self.rig.pump.mechanical_efficiency(np.abs(pressure), np.abs(speed)) - 1.0)
+        return ideal + lost * np.abs(ideal) + self.terms('pump_torque_loss', {
+            **known, 'pump_speed': speed})
+
     def pump_flow(self, known: Known) -> Any:
         """Return the oil that a pump of known stroke and speed delivers, m^3/s."""
         pump, pressure = self.rig.pump, known['pump_pressure']
@@ -212,9 +228,7 @@ class PartModel:
             command = pump.command_of(known['displacement'])
         leakage = self.factor('pump.leakage') * pump.leakage(pressure, command)
         known = {**known, 'pump_leakage': leakage}
-        speed = known.get('pump_speed')
-        if speed is None:
-            speed = pump.shaft_speed + self.terms('pump_speed', known)
+        speed = self.pump_speed(known)
         relief: Any = 0.0
         valve = self.rig.relief_valve
         if valve is not None:

@@ -139,7 +139,7 @@ def _section(name: str, content, source: str, part: bool):
     for key, entry in fields.items():
         path = f'{name}.{key}'
         if key not in content:
-            if isinstance(entry, Number) and entry.optional:
+            if getattr(entry, 'optional', False):
                 continue
             if part and key in PART.get(name, ()):
                 continue
@@ -190,7 +190,7 @@ def _list(found, low: float, high: float, source: str, path: str, unit: str) -> 
 def _characteristic(entry: Table, found, content, source: str,
                     path: str) -> Surface | None:
     """Return a loss that is given as one number or by coefficients, None if it is a table."""
-    if not entry.coefficients:
+    if len(entry.axes) < 2:
         return None
     if not isinstance(found, (dict, list)):
         return constant(to_si(_number(

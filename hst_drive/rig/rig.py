@@ -84,7 +84,7 @@ def ideal() -> Surface:
 @dataclass(frozen=True)
 class Pump:
     """
-    Variable displacement pump: rad/s, m^3/rad over V, s, m^3/s over (Pa, V).
+    Pump: rad/s, m^3/rad over V, s, m^3/s over (Pa, V), 1 over (Pa, rad/s).
 
     ``given`` are the keys of the file: one of a part may leave some out, and then the part is
     ideal; 0 and None stand for numbers that only a balance which needs them asks for.
@@ -95,6 +95,7 @@ class Pump:
     displacement: Curve | None = None
     displacement_lag: float = 0.0
     leakage: Surface = field(default_factory=nothing)
+    mechanical_efficiency: Surface = field(default_factory=ideal)
     given: frozenset[str] = frozenset()
 
     def command_of(self, displacement):
@@ -238,6 +239,13 @@ class Rig:
     def whole(self) -> bool:
         """Whether all sections of the drive are there."""
         return all(getattr(self, name) is not None for name in WHOLE)
+
+    @property
+    def full_speed(self) -> float:
+        """Speed of the hydromotor on the pump's full flow, rad/s; 0 where it is not given."""
+        if not (self.pump and self.motor and self.motor.displacement):
+            return 0.0
+        return self.pump.max_displacement * self.pump.shaft_speed / self.motor.displacement
 
     def require(self, *sections: str, purpose: str) -> None:
         """

@@ -30,7 +30,8 @@ class Table(NamedTuple):
     A table: attribute, axes (key, unit), value key, unit and plausible range.
 
     ``rising`` where the drive inverts the table, so that its values must not fall. One with
-    ``coefficients`` may be one number, or those keys of a model (``characteristic``), instead.
+    ``coefficients`` may be those keys of a model (``characteristic``) instead; one over two axes
+    may be one number. ``optional`` in any file.
     """
 
     attribute: str
@@ -41,6 +42,7 @@ class Table(NamedTuple):
     high: float
     rising: bool = False
     coefficients: tuple[str, ...] = ()
+    optional: bool = False
 
 
 class Limits(NamedTuple):
@@ -72,6 +74,8 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
         'displacement_lag_s': Number('displacement_lag', 's', 1e-4, 10),
         'leakage_L_min': Table(
             'leakage', (_PRESSURE, _COMMAND), 'table', 'L/min', 0, 500, coefficients=LEAKAGE),
+        'mechanical_efficiency': Table(
+            'mechanical_efficiency', (_PRESSURE, _SPEED), 'table', '1', 0.01, 1, optional=True),
     },
     'motor': {
         'displacement_cc_rev': Number('displacement', 'cc/rev', 0.1, 50000),
@@ -133,6 +137,7 @@ SENSOR_UNITS: dict[str, tuple[str, str]] = {
     'motor_inlet_flow': ('L_min', 'L/min'), 'case_drain_flow': ('L_min', 'L/min'),
     'motor_speed': ('rpm', 'rpm'), 'pump_speed': ('rpm', 'rpm'),
     'load_torque': ('N_m', 'N.m'), 'motor_torque': ('N_m', 'N.m'),
+    'pump_torque': ('N_m', 'N.m'), 'pump_power': ('kW', 'kW'),
     'oil_temperature': ('K', 'K'), 'pump_displacement': ('cc_rev', 'cc/rev'),
 }
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.measure.compare import compare, model_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig
 import numpy as np
@@ -31,6 +32,15 @@ def on_a_lever(time, speed, force, mass, lever):
                                              'motor_torque': force * lever}, 'axis.csv')])
 
 
+def adopted(result, mass, lever):
+    """Return the rig of an axis on a lever (m), with what was found."""
+    effects = {entry.id: {key: value.value for key, value in entry.parameters.items()}
+               for entry in result.effects}
+    rig = parse_rig({'motor': {'inertia_total_kg_m2': mass * lever**2}, 'effects': effects})
+    assert rig.effects == effects
+    return rig
+
+
 def axis():
     """Return speed and force of an axis with Coulomb and viscous friction and an offset."""
     speed = 0.12 * np.sin(2 * np.pi * 0.4 * TIME) + 0.08 * np.sin(2 * np.pi * 0.13 * TIME)
@@ -44,10 +54,7 @@ def test_an_axis_is_the_same_on_any_lever():
         result = on_a_lever(TIME, *axis(), 95.0, lever)
         found.append(sizes(result, lever))
         # What was found can be written into the rig file of such a machine.
-        adopted = {entry.id: {key: value.value for key, value in entry.parameters.items()}
-                   for entry in result.effects}
-        assert parse_rig({'motor': {'inertia_total_kg_m2': 95.0 * lever**2},
-                          'effects': adopted}).effects == adopted
+        adopted(result, 95.0, lever)
     for entry in found:
         assert entry == pytest.approx(found[0], rel=1e-3)
         assert entry == pytest.approx(
@@ -106,9 +113,12 @@ def test_operating_points_apart_are_no_noise():
 def test_a_real_axis(lever):
     table = np.genfromtxt(REAL / 'emps_axis' / 'emps_axis.csv', delimiter=',', skip_header=1)
     time, speed, force = table[::4, [0, 2, 4]].T
-    found = sizes(on_a_lever(time, speed, force, 95.1089, lever), lever)
-    assert found['coulomb'] == pytest.approx(PUBLISHED['coulomb'], rel=0.1)
-    assert found['coefficient'] == pytest.approx(PUBLISHED['coefficient'], rel=0.1)
+    result = on_a_lever(time, speed, force, 95.1089, lever)
+    assert sizes(result, lever) == pytest.approx(PUBLISHED, rel=0.1)
+    rig = adopted(result, 95.1089, lever)
+    run = Run('axis', time, {'motor_speed': speed / lever, 'motor_torque': force * lever})
+    left = compare(model_of(rig, [run]), [run])
+    assert left.signals['motor_torque'].rmse / lever < 2.6      # N; least squares leave 2.41
 
 
 @pytest.mark.skipif(not REAL.exists(), reason='the real recordings are not there')

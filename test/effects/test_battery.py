@@ -19,11 +19,12 @@ CONTRACT = (
     'speed_sensor_lag torque_sensor_scale flow_sensor_scale constant_torque '
     'motor_orifice_leakage suction_starvation swash_compliance accumulator '
     'line_inertance').split()
-BEYOND = ['bulk_modulus_rise', 'pump_orifice_leakage']
+BEYOND = ['bulk_modulus_rise', 'pump_friction', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
          for name, effect in OWN.items() for slot, function in effect.terms]
-LOSSES = {'pump_flow_loss', 'motor_flow_loss', 'motor_torque_loss', 'line_drop', 'back_pressure'}
+LOSSES = {'pump_flow_loss', 'motor_flow_loss', 'motor_torque_loss', 'line_drop', 'back_pressure',
+          'pump_torque_loss'}
 # Numbers in the files that have a dimension.
 CONSTANTS = {'ATMOSPHERE': 'Pa', 'LEAST': 'Pa', 'REFERENCE': 'Pa', 'USUAL_DAMPING_TIME': 's',
              'DRILLING_SPEED': 'rad/s'}
@@ -107,7 +108,7 @@ def test_neutral_is_nothing(effect, slot, function):
     @given(reads=readings, others=sizes(effect))
     def check(reads, others):
         assert evaluate(function, effect.neutral, reads) == 0.0
-        if effect.id not in ('bearing_friction', 'line_loss', 'piston_ripple'):
+        if effect.id not in ('bearing_friction', 'pump_friction', 'line_loss', 'piston_ripple'):
             size = effect.parameters[0]
             assert evaluate(function, {**others, size.name: size.neutral}, reads) == 0.0
     check()

@@ -36,9 +36,10 @@ def test_what_cannot_be_read_is_named(text):
 def test_the_wiring_speaks_of_nodes_and_topics_that_exist():
     assert set(wiring.READS) == set(wiring.NODES)
     assert {name for names in wiring.READS.values() for name in names} <= set(TOPICS)
-    # An emergency stop comes from whoever stands beside the machine.
+    # An emergency stop comes from whoever stands beside the machine; some sensors only a real rig
+    # has.
     assert {topic.publisher for topic in TOPICS.values()} <= {
-        *wiring.NODES, 'all nodes', 'operator'}
+        *wiring.NODES, 'all nodes', 'operator', 'rig'}
 
 
 def test_what_may_be_under_way_fits_into_the_queues():

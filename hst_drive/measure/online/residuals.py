@@ -23,7 +23,7 @@ import numpy as np
 LEAD = 1.0          # s before a block, in which lags settle
 _STAMPS = 3e-3      # s: how well the time stamps of two signals agree
 _FLOOR = 0.25       # of the scatter between units: how good a calibrated model is expected to be
-_CREEPING = 0.5     # rad/s
+_CREEPING, _SCATTER = 0.023, 5.0     # of the full speed; deviations of the sensor's noise
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
 
@@ -117,6 +117,7 @@ class Balances:
         self.names = closed(rig, signals)
         self.spread = nuisances(rig, accuracy)
         self._noise = {name: noise_of(rig, name) for name in signals}
+        self._creeping = max(_CREEPING * rig.full_speed, _SCATTER * self._noise.get(SPEED, 0.0))
 
     def of(self, window: Window, start: int, end: int) -> Block | str:
         """
@@ -152,9 +153,9 @@ class Balances:
 
     def _reason(self, cut: dict[str, np.ndarray]) -> str:
         speed = cut[SPEED]
-        if min(speed.max(), -speed.min(), key=abs) < 0 and speed.min() < _CREEPING:
-            return 'reversal' if speed.max() > _CREEPING else 'turns backwards'
-        if speed.min() < _CREEPING:
+        if min(speed.max(), -speed.min(), key=abs) < 0 and speed.min() < self._creeping:
+            return 'reversal' if speed.max() > self._creeping else 'turns backwards'
+        if speed.min() < self._creeping:
             return 'standstill'
         pressure = cut.get(PRESSURE)
         if pressure is not None:
