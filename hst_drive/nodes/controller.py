@@ -20,7 +20,6 @@ from hst_drive.nodes.pace import Pace, Rates
 from hst_drive.nodes.stopping import StopInputs
 from rcl_interfaces.msg import SetParametersResult
 
-_MODES = ('closed_loop', 'open_loop')
 _STATUS_PERIOD = 1.0
 _PATIENCE = 1.25   # sample times without a reading after which the last one is used once more
 _SELDOM = 0.6      # of the rate that the sample time asks for: readings below it are told
@@ -51,9 +50,6 @@ class Controller(DriveNode):
     def configure(self) -> None:
         """Build the control law."""
         settings = self.settings
-        if settings['mode'] not in _MODES:
-            raise InputError(f"controller: parameter mode is '{settings['mode']}'; expected one "
-                             f'of {", ".join(_MODES)}')
         before = self._watch if self._law else None
         try:
             self._law = PiController(

@@ -13,7 +13,7 @@ from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
@@ -34,11 +34,11 @@ class Estimator(DriveNode):
 
     role = 'estimator'
     parameters = (
-        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
         HARDWARE,
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
-                  'one there is'),
-        Parameter('pump_joint', '', 'joint of the topic pump, likewise'),
+                  'one there is', form=JOINT),
+        Parameter('pump_joint', '', 'joint of the topic pump, likewise', form=JOINT),
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
         Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
@@ -52,7 +52,8 @@ class Estimator(DriveNode):
                   1e4),
         Parameter('extra_topics', [], 'readings that are off by default and come in this run',
                   choices=wiring.SENSORS),
-        Parameter('bag', '', 'bag that records this run, for the pointer to it'),
+        Parameter('bag', '', 'bag that records this run, for the pointer to it',
+                  form='path of a folder'),
     )
 
     def configure(self) -> None:

@@ -38,7 +38,8 @@ class Manager(Node):
 
     role = 'manager'
     parameters = (
-        Parameter('nodes', [], 'nodes to bring up, in this order', at_start=True),
+        Parameter('nodes', [], 'nodes to bring up, in this order', at_start=True,
+                  form='names of managed nodes in the same namespace'),
         Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
                   3600.0, at_start=True),
         Parameter('bring_back', False, 'bring a node up again that was restarted; with a '

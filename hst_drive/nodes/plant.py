@@ -15,7 +15,7 @@ from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, ClockOutput, partners_of, topic_named
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.readings import BURST, Readings
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
@@ -35,9 +35,10 @@ class Plant(DriveNode):
     role = 'plant'
     _readings: Readings | None = None
     parameters = (
-        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
-        Parameter('effects', [], 'hidden effects: id.parameter=value (SI), '
-                  'id.parameter=value[unit] or id'),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
+        Parameter('effects', [], 'hidden effects',
+                  form='id.parameter=value (SI), id.parameter=value[unit] or id, as hst-drive '
+                  'effects lists them'),
         Parameter('effects_from', 0.0, 'time of the run from which on the hidden effects act',
                   's', 0.0, 1e7),
         Parameter('seed', 1, "seed of the sensors' noise", low=0, high=2**31 - 1),

@@ -38,13 +38,13 @@ class Recorder(DriveNode):
     role = 'recorder'
     _bag: BagWriter | None = None
     parameters = (
-        Parameter('output', '', 'folder to create'),
+        Parameter('output', '', 'folder to create', form='path that does not exist'),
         Parameter('topics', [], 'full names of topics to record; empty: those of the table that '
-                  'the partners publish'),
+                  'the partners publish', form='names that begin with /'),
         Parameter('extra_topics', [], 'readings of the plant that are off by default',
                   choices=wiring.SENSORS),
         Parameter('truth', False, 'record the values without noise as well'),
-        Parameter('notes', [], "name=value pairs to keep in the bag's metadata"),
+        Parameter('notes', [], "to keep in the bag's metadata", form='name=value pairs'),
     )
 
     def configure(self) -> None:
