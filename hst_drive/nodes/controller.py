@@ -16,6 +16,7 @@ from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.controller_parameters import PARAMETERS
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, OK, WARN
 from hst_drive.nodes.endpoints import BILLION
+from hst_drive.nodes.mapped import map_of, MappedInput
 from hst_drive.nodes.pace import Pace, Rates
 from hst_drive.nodes.stopping import StopInputs
 from rcl_interfaces.msg import SetParametersResult
@@ -50,6 +51,7 @@ class Controller(DriveNode):
     def configure(self) -> None:
         """Build the control law."""
         settings = self.settings
+        self._map = map_of(self)
         before = self._watch if self._law else None
         try:
             self._law = PiController(
@@ -81,18 +83,31 @@ class Controller(DriveNode):
     def activate(self) -> None:
         """Open the endpoints."""
         self.publish_to('pump_command')
-        self.listen_to('motor', self._measured, 'joint')
-        for name in ('speed_setpoint', 'manual_pump_command'):
-            self.listen_to(name, lambda stamp, values, name=name: self._wants(
-                name, stamp, values[0]))
+        self._listen()
         self._diagnostics = Diagnostics(self)
         self._stops = StopInputs(self, self._audit, self._press, self._reset,
                                  self._watch.start)
         super().activate()
         if not self.lockstep:
             self._timer = self.create_timer(
-                self.settings['sample_time'], self._supervise, clock=self._wall)
-            self.create_timer(_STATUS_PERIOD, self._look, clock=self._wall)
+                self.settings['sample_time'], self._supervise, clock=self.wall)
+            self.create_timer(_STATUS_PERIOD, self._look, clock=self.wall)
+
+    def _listen(self) -> None:
+        if 'motor_speed' in self._map.entries:
+            self.inputs['motor'] = MappedInput(
+                self, self._map, 'motor_speed', lambda stamp, value: self._measured(
+                    stamp, (math.nan, value)), self.settings['feedback_timeout'])
+        else:
+            self.listen_to('motor', self._measured, 'joint')
+        for name in ('speed_setpoint', 'manual_pump_command'):
+            if name in self._map.entries:
+                self.inputs[name] = MappedInput(
+                    self, self._map, name, lambda stamp, value, name=name: self._wants(
+                        name, stamp, value), self.settings['setpoint_timeout'])
+            else:
+                self.listen_to(name, lambda stamp, values, name=name: self._wants(
+                    name, stamp, values[0]))
 
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 
-from hst_drive.bag.topics import TOPICS, WITH_READING
+from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS, WITH_READING
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.measure.online.characteristic import Estimate, Resistances
 from hst_drive.measure.online.drive import Figures, Observer, Settings, Watched
@@ -13,6 +13,7 @@ from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
+from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput
 from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 
@@ -39,6 +40,7 @@ class Estimator(DriveNode):
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
                   'one there is', form=JOINT),
         Parameter('pump_joint', '', 'joint of the topic pump, likewise', form=JOINT),
+        CHANNELS,
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
         Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
@@ -60,7 +62,11 @@ class Estimator(DriveNode):
         """Build what observes the drive."""
         settings = self.settings
         rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
-        self._extra = wiring.readings(settings['extra_topics'])
+        self._map = map_of(self)
+        # What a map names comes.
+        mapped = [CHANNEL_FIELDS[name][0].name for name in CHANNEL_FIELDS
+                  if name in self._map.entries]
+        self._extra = (*wiring.readings(settings['extra_topics']), *mapped)
         self._expected = tuple(name for name in _READ if TOPICS[name].on or name in self._extra)
         # Position of a channel among the fields of its topic.
         self._channels = {name: [(place, field.channel) for place, field in
@@ -87,8 +93,14 @@ class Estimator(DriveNode):
         self.outputs['verdict'] = verdict.VerdictOutput(self)
         self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
         for name in _READ:
-            self.listen_to(name, lambda stamp, values, name=name: self._measured(
-                name, stamp, values), _JOINTS.get(name, ''))
+            channels = [field.channel for field in TOPICS[name].fields if field.channel]
+            for channel in filter(self._map.entries.__contains__, channels):
+                self.inputs[channel] = MappedInput(
+                    self, self._map, channel, lambda stamp, value, channel=channel: self._mapped(
+                        channel, stamp, value), self.settings['timeout'])
+            if not set(channels) <= set(self._map.entries):
+                self.listen_to(name, lambda stamp, values, name=name: self._measured(
+                    name, stamp, values), _JOINTS.get(name, ''))
         super().activate()
         if not self.lockstep:
             self.create_timer(1.0 / self.settings['rate'], self._tick)
@@ -102,7 +114,8 @@ class Estimator(DriveNode):
         if topic not in self._channels:
             return
         for place, channel in self._channels[topic]:
-            self._observer.put(channel, stamp, values[place])
+            if channel not in self._map.entries:
+                self._observer.put(channel, stamp, values[place])
         self._heard = self._heard or not self.inputs[topic].refused
         if self.lockstep:
             self._awaited[topic] = stamp
@@ -111,6 +124,10 @@ class Estimator(DriveNode):
                 self._step = reached
                 self._advance(reached)
                 self.answers.done(reached)
+
+    def _mapped(self, channel: str, stamp: int, value: float) -> None:
+        self._observer.put(channel, stamp, value)
+        self._heard = True
 
     def _tick(self) -> None:
         """Go on as far as the signals have come in real time; say so when none comes."""

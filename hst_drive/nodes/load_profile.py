@@ -83,7 +83,7 @@ class LoadProfile(DriveNode):
             began = time.monotonic()
             self._timer = self.create_timer(
                 1.0 / self.settings['rate'],
-                lambda: self._play(self.now(), time.monotonic() - began), clock=self._wall)
+                lambda: self._play(self.now(), time.monotonic() - began), clock=self.wall)
 
     def _clocked(self, message: Clock) -> None:
         stamp = message.clock.sec * BILLION + message.clock.nanosec

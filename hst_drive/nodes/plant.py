@@ -106,7 +106,7 @@ class Plant(DriveNode):
             self._clock_output = ClockOutput(self, 2 * sync.INTERVAL)
         super().activate()
         self._heard, self._ready = time.monotonic(), False
-        self.create_timer(0.25, self._watch, clock=self._wall)
+        self.create_timer(0.25, self._watch, clock=self.wall)
 
     def deactivate(self) -> None:
         """Publish what was kept for a burst."""
@@ -153,7 +153,7 @@ class Plant(DriveNode):
             self._next_step()
         else:
             self._start, self._began = self.now(), time.monotonic()
-            self.create_timer(self._period / BILLION, self._tick, clock=self._wall)
+            self.create_timer(self._period / BILLION, self._tick, clock=self.wall)
             self.sync.say(sync.START, self._start)
             self._tick()
 
