@@ -51,4 +51,6 @@ PARAMETERS = (
               'emergency stop', 's', 0.01, 60.0),
     Parameter('start_after_reset', _DEFAULTS.start_after_reset, 'after a reset the drive waits at '
               '0 V for a start: set point back at its smallest, or ~/start'),
+    Parameter('wait_for_start', _DEFAULTS.wait_for_start, 'it waits for that start from the '
+              'beginning on; a manager sets this for a controller that it brings back'),
 )
