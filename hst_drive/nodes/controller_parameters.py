@@ -6,6 +6,7 @@ from __future__ import annotations
 from hst_drive.control import SafetySettings
 from hst_drive.control.pi import ANTIWINDUP_STRATEGIES
 from hst_drive.nodes.diagnostics import HARDWARE
+from hst_drive.nodes.forward import PARAMETERS as FORWARD
 from hst_drive.nodes.mapped import CHANNELS
 from hst_drive.nodes.parameters import JOINT, Parameter
 
@@ -17,6 +18,7 @@ PARAMETERS = (
     Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
               'one there is', form=JOINT),
     CHANNELS,
+    *FORWARD,
     Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
     Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
     Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),

@@ -65,6 +65,7 @@ class MappedInput:
         self._callback, self._timeout = callback, timeout
         self._parts = [_Part(node, entry, channel_map.source, self._came)
                        for entry in parts_of(channel_map, channel)]
+        self.name = self._parts[0].name
         self._timer = node.create_timer(_SEARCH, self._search, clock=node.wall)
 
     @property
@@ -99,7 +100,7 @@ class _Part:
         self.refused = ''
         self._node, self._entry, self._source = node, entry, source
         self._on_number = on_number
-        self._name = node.resolve_topic_name(self._topic())
+        self.name = node.resolve_topic_name(self._topic())
         self._subscription = None
         self._wrong = ''        # why the publisher's type does not do
         self._layout: Layout | None = None
@@ -114,7 +115,7 @@ class _Part:
     def search(self) -> bool:
         """Subscribe if there is a publisher; return whether that is done."""
         publishers = [] if self._subscription else self._node.get_publishers_info_by_topic(
-            self._name)
+            self.name)
         if publishers:
             try:
                 self._wrong = ''
@@ -135,14 +136,14 @@ class _Part:
         # Reliable where all offer it: a set point comes once and shall not be lost.
         offered = {entry.qos_profile.reliability.name for entry in publishers}
         self._subscription = self._node.create_subscription(
-            message_class(kind), self._name, self._received, qos_profile(
+            message_class(kind), self.name, self._received, qos_profile(
                 Qos('reliable' if offered == {'RELIABLE'} else 'best_effort')), raw=True)
 
     def _received(self, data: bytes) -> None:
         try:
             raw = self._number(data)
         except MalformedError as error:
-            self._node.get_logger().warning(f'{self._name}: {error}', throttle_duration_sec=5.0)
+            self._node.get_logger().warning(f'{self.name}: {error}', throttle_duration_sec=5.0)
             return
         self.stamp = stamp_of(data) if self._codec.has_stamp else self._node.now()
         self.value = self._entry.to_si(raw, self._pick.unit, self._pick.absolute)
@@ -156,7 +157,7 @@ class _Part:
         if self._layout is None or not self._layout.fits(data):
             self._layout = Layout(self._codec, data, [path])
             self.refused = '' if self._layout.numbers[0] else (
-                f'{self._source}: channels.{self._entry.channel}: a message of {self._name} has '
+                f'{self._source}: channels.{self._entry.channel}: a message of {self.name} has '
                 f"no '{path}'")
             if self.refused:
                 self._node.get_logger().error(self.refused, throttle_duration_sec=5.0)
@@ -165,5 +166,5 @@ class _Part:
     def found(self) -> str:
         """Return the topic's name and what is there of its publisher."""
         if self._subscription is None:
-            return f'{self._name} ({self._wrong or "nobody publishes it"})'
-        return f'{self._name} (it has a publisher, but no usable message came)'
+            return f'{self.name} ({self._wrong or "nobody publishes it"})'
+        return f'{self.name} (it has a publisher, but no usable message came)'

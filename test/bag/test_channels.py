@@ -89,7 +89,7 @@ def test_interfaces_of_ros2_control_go_by_joint_and_interface(ros2_control):
     np.testing.assert_array_equal(run['motor_speed'], np.arange(40.0))
     np.testing.assert_allclose(run['pump_outlet_pressure'], (50.0 + np.arange(40.0)) * 1e5)
     assert set(run['pump_command']) == set(run['pprv_command']) == {4.5}
-    with pytest.raises(InputError, match="length 2: elements 0 to 1 or pressure, velocity"):
+    with pytest.raises(InputError, match='length 2: elements 0 to 1 or pressure, velocity'):
         read_log(ros2_control, parse_channel_map({'channels': {'motor_speed': {
             'from': f'{values}[drill].values[speed]', 'unit': 'rad/s'}}}))
     with pytest.raises(InputError, match='length 3: elements 0 to 2 or feed, drill, valve'):
