@@ -20,7 +20,6 @@ from hst_drive.nodes.forward import ForwardedOutput
 from hst_drive.nodes.mapped import map_of, MappedInput
 from hst_drive.nodes.pace import Pace
 from hst_drive.nodes.stopping import StopInputs
-from rcl_interfaces.msg import SetParametersResult
 
 _PATIENCE = 1.25   # sample times without a reading after which the last one is used once more
 
@@ -44,7 +43,6 @@ class Controller(DriveNode):
         self._audit = Audit(self, self._tell)
         self._law: PiController | None = None
         self._stops: StopInputs | None = None
-        self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._change)
 
     def configure(self) -> None:
@@ -127,15 +125,8 @@ class Controller(DriveNode):
         super().said(name, word, stamp, counts)
         self._ended = self._ended or word == sync.LAST
 
-    def _judge_change(self, parameters) -> SetParametersResult:
-        """Accept a set of new gains as a whole or not at all."""
-        bad = [f'{entry.name}={entry.value}' for entry in parameters
-               if entry.name in ('kp', 'ki') and not math.isfinite(entry.value)]
-        return SetParametersResult(successful=not bad, reason=', '.join(bad) + (
-            ': expected finite numbers' if bad else ''))
-
     def _change(self, parameters) -> None:
-        """Take new gains over, all at once and without a jump of the command."""
+        """Take new gains over, all at once and without a jump; rclpy has judged their range."""
         gains = {entry.name: entry.value for entry in parameters if entry.name in ('kp', 'ki')}
         self.settings.update(gains)
         if self._law:
