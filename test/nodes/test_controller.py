@@ -46,7 +46,7 @@ class Bench:
                                 monotonic_ns=lambda: round(self.at * BILLION))
         monkeypatch.setattr(controller, 'time', clock)
         monkeypatch.setattr(controller_status, 'time', clock)
-        self.told, self.done, self.timers = [], [], []
+        self.told, self.done, self.timers, self.publishers = [], [], [], {}
         monkeypatch.setattr(controller_status, 'Diagnostics', lambda node: SimpleNamespace(
             publish=lambda stamp, name, level, message, values: self.told.append(
                 {'stamp': stamp, 'level': level, 'message': message, **values})))
@@ -69,6 +69,9 @@ class Bench:
             def create_timer(self, period, callback, *args, **options):
                 bench.timers.append(Timer(period, callback))
                 return bench.timers[-1]
+
+            def count_publishers(self, name):
+                return bench.publishers.get(name, 1)
 
             def now(self):
                 return round(bench.at * BILLION)
@@ -116,7 +119,8 @@ class Bench:
         """Give a step of lockstep, the wish first or last in turn."""
         stamp = BILLION + number * round(SAMPLE * BILLION)
         self.at += 0.5      # what the clock on the wall says is nothing to it
-        first, last = (lambda: self.wish(wish, stamp=stamp)), (lambda: self.read(reading, stamp))
+        same = int(str(stamp))      # another object, as from another message
+        first, last = (lambda: self.wish(wish, stamp=same)), (lambda: self.read(reading, stamp))
         for give in (first, last) if number % 2 else (last, first):
             give()
         return stamp
@@ -327,7 +331,7 @@ def test_a_drive_that_waits_for_its_start_sends_zero_until_then(bench):
     for _ in range(3):
         drive.tick()
     assert {value for _, value in drive.sent} == {0.0} and len(drive.sent) == 3
-    assert drive.start() == []
+    assert drive.node._audit.last == '' and drive.start() == []
     drive.tick()
     assert drive.command == 1.0
     assert drive.node._audit.last.startswith('the drive starts; speed_setpoint is 15 ')
@@ -431,9 +435,12 @@ def test_after_the_plants_last_word_nothing_is_missing(bench):
     from hst_drive.nodes import sync
     drive = bench(partners=('plant', 'controller'), feedback_timeout=0.05)
     drive.tick()
-    for word, ended in ((sync.ASK, False), (sync.LAST, True), (sync.DONE, True)):
+    for word in (sync.READY, sync.START, sync.ASK, sync.DONE):
         drive.node.said('plant', word, 0, {})
-        assert drive.node._ended is ended
+        assert not drive.node._ended
+    for word in (sync.LAST, sync.DONE):
+        drive.node.said('plant', word, 0, {})
+        assert drive.node._ended
     count = len(drive.sent)
     drive.at += 1.0
     drive.supervise.callback()
@@ -447,6 +454,7 @@ def test_it_says_once_a_second_how_often_messages_come(bench):
     assert drive.told == []
     look.callback()
     assert drive.told[-1]['message'] == 'waiting for motor (found), speed_setpoint (found)'
+    assert drive.told[-1]['level'] == 1 and drive.told[-1]['state'] == 'waiting'
     for _ in range(2):
         for _ in range(50):
             drive.tick(after=0.02)
@@ -458,6 +466,34 @@ def test_it_says_once_a_second_how_often_messages_come(bench):
     look.callback()
     assert drive.told[-1]['message'] == 'running' and drive.told[-1]['level'] == 0
     assert float(drive.told[-1]['command_v']) == pytest.approx(drive.command, rel=1e-3)
+
+
+def test_who_else_commands_or_wishes_is_told_but_not_in_lockstep(bench):
+    for lockstep in (False, True):
+        drive = bench(lockstep=lockstep, partners=('plant',) * lockstep)
+        drive.node.outputs['pump_command'].names = ('/pump', '/forward/commands')
+        for count in range(3):
+            drive.step(count, 10.0, 15.0) if lockstep else drive.tick()
+        drive.publishers = {'/forward/commands': 2, 'speed_setpoint': 3}
+        drive.node._tell()
+        said = 'running' + ('' if lockstep else '; 2 nodes publish /forward/commands: only one '
+                            'may; 3 nodes publish speed_setpoint: only one may')
+        assert drive.told[-1]['message'] == said and drive.told[-1]['level'] == (not lockstep)
+        drive.node.outputs['pump_command'].wrong = 'other joints'
+        drive.node._tell()
+        assert drive.told[-1]['message'] == said + '; other joints'
+        assert drive.told[-1]['level'] == 1 and drive.told[-1]['against_reset'] == ''
+
+
+def test_a_fault_is_an_error_in_the_log_once(bench, capfd):
+    drive = bench()
+    drive.tick()
+    drive.press('topic', True)
+    assert drive.node._tell() is drive.node._tell() is None
+    assert capfd.readouterr().err.count('[ERROR]') == 1
+    assert drive.told[-1]['against_reset'].startswith('emergency stop is pressed (topic)')
+    assert drive.told[-1]['message'] == (
+        'stopping: emergency_stop: emergency stop (by topic); reset it with ~/reset')
 
 
 def test_settings_that_make_no_sense_are_named(bench):
