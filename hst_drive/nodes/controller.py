@@ -17,7 +17,7 @@ from hst_drive.nodes.controller_parameters import PARAMETERS
 from hst_drive.nodes.controller_status import Status, STATUS_PERIOD
 from hst_drive.nodes.endpoints import BILLION
 from hst_drive.nodes.forward import ForwardedOutput
-from hst_drive.nodes.mapped import map_of, MappedInput
+from hst_drive.nodes.mapped import map_of, MappedInput, search_for
 from hst_drive.nodes.pace import Pace
 from hst_drive.nodes.stopping import StopInputs
 
@@ -105,6 +105,7 @@ class Controller(DriveNode):
             else:
                 self.listen_to(name, lambda stamp, values, name=name: self._wants(
                     name, stamp, values[0]))
+        search_for(self)
 
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""

@@ -13,7 +13,7 @@ from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
-from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput
+from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput, search_for
 from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 
@@ -101,6 +101,7 @@ class Estimator(DriveNode):
             if not set(channels) <= set(self._map.entries):
                 self.listen_to(name, lambda stamp, values, name=name: self._measured(
                     name, stamp, values), _JOINTS.get(name, ''))
+        search_for(self)
         super().activate()
         if not self.lockstep:
             self.create_timer(1.0 / self.settings['rate'], self._tick)

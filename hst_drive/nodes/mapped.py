@@ -48,25 +48,37 @@ def topics_of(channel_map: ChannelMap) -> list[str]:
                               if entry.source.startswith('/')))
 
 
+def search_for(node) -> None:
+    """Look for the publishers of the node's mapped inputs until there are all."""
+    waiting = [entry for entry in node.inputs.values() if isinstance(entry, MappedInput)]
+
+    def look() -> None:
+        waiting[:] = [entry for entry in waiting if not entry.search()]
+        if not waiting:
+            node.destroy_timer(timer)
+
+    # One for all: rclpy's executor goes through all timers at each that is due.
+    timer = node.create_timer(_SEARCH, look, clock=node.wall) if waiting else None
+
+
 class MappedInput:
     """
     One channel from where the map says; calls ``callback(stamp ns, SI value)``.
 
     Stands beside ``endpoints.Input``, with the same attributes. The type of a topic is that of
-    its publisher: the subscription is opened once there is one. A message without a header counts
-    from when it came. NaN stands for an element that a message does not have, and for a
-    difference whose second part is older than ``timeout`` (s).
+    its publisher: the subscription is opened once there is one (``search_for``). A message
+    without a header counts from when it came. NaN stands for an element that a message does not
+    have, and for a difference whose second part is older than ``timeout`` (s; 0: never).
     """
 
     def __init__(self, node, channel_map: ChannelMap, channel: str,
                  callback: Callable[[int, float], None], timeout: float):
         self.topic = CHANNEL_FIELDS[channel][0]
         self.received = 0
-        self._callback, self._timeout = callback, timeout
+        self._callback, self._timeout = callback, timeout or math.inf
         self._parts = [_Part(node, entry, channel_map.source, self._came)
                        for entry in parts_of(channel_map, channel)]
         self.name = self._parts[0].name
-        self._timer = node.create_timer(_SEARCH, self._search, clock=node.wall)
 
     @property
     def refused(self) -> str:
@@ -77,9 +89,9 @@ class MappedInput:
         """Return the topics' names and what is there of their publishers."""
         return ', '.join(part.found() for part in self._parts)
 
-    def _search(self) -> None:
-        if sum(part.search() for part in self._parts) == len(self._parts):
-            self._timer.cancel()
+    def search(self) -> bool:
+        """Subscribe to what has a publisher by now; return whether that is all."""
+        return sum(part.search() for part in self._parts) == len(self._parts)
 
     def _came(self, part: _Part) -> None:
         first, *others = self._parts

@@ -58,8 +58,8 @@ class Recorder(DriveNode):
             raise InputError('recorder: parameter output is empty; name the folder to create')
         nodes = self.partners or wiring.NODES
         self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'])
-        names = settings['topics'] or [
-            *(self.resolve_topic_name(topic_named(name).name) for name in self.taken),
+        names = [*(settings['topics'] or (
+            self.resolve_topic_name(topic_named(name).name) for name in self.taken)),
             *map(self.resolve_topic_name, topics_of(map_of(self)))]
         self._order = {name: place for place, name in enumerate(names)}
         self._subscriptions_by_name: dict[str, object] = {}

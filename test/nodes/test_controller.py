@@ -101,7 +101,7 @@ class Bench:
     def read(self, value, stamp=None):
         entry = self.node.inputs['motor']
         entry.received += 1
-        entry.callback(self.node.now() if stamp is None else stamp, (0.0, value, 0.0))
+        entry.callback(self.node.now() if stamp is None else stamp, (math.nan, value, math.nan))
 
     def wish(self, value, name='speed_setpoint', stamp=None):
         entry = self.node.inputs[name]
@@ -193,6 +193,7 @@ def test_without_a_new_reading_the_timer_goes_on_until_it_is_lost(bench):
     drive.supervise.callback()
     assert drive.node._watch.fault.kind == 'feedback_lost'
     assert drive.told[-1]['level'] == 2 and drive.told[-1]['state'] == 'stopping'
+    assert drive.told[-1]['at_zero'] == 'false'
     drive.at += 0.01
     drive.supervise.callback()
     assert drive.command == pytest.approx(before - 10.0 * 0.01, abs=1e-9)
@@ -251,6 +252,8 @@ def test_by_hand_whatever_the_speed_is_follows_nothing(bench):
     for _ in range(50):
         drive.tick(reading=0.0, wish=10.0, name='manual_pump_command')
     assert drive.node._watch.fault is None and drive.command == 10.0
+    drive.tick(wish=10.1, name='manual_pump_command')
+    assert drive.node._watch.fault.kind == 'command_invalid'
 
 
 def test_in_closed_loop_a_speed_that_does_not_follow_stops_the_drive(bench):
@@ -331,6 +334,10 @@ def test_a_drive_that_waits_for_its_start_sends_zero_until_then(bench):
     for _ in range(3):
         drive.tick()
     assert {value for _, value in drive.sent} == {0.0} and len(drive.sent) == 3
+    drive.node._tell()
+    assert drive.told[-1]['message'] == (
+        'ready; start it with speed_setpoint back at its smallest, or ~/start')
+    assert drive.told[-1]['level'] == 1
     assert drive.node._audit.last == '' and drive.start() == []
     drive.tick()
     assert drive.command == 1.0
@@ -373,12 +380,27 @@ def test_gains_change_together_without_a_jump(bench):
 def test_in_lockstep_commands_carry_the_steps_stamp_and_each_step_is_done(bench):
     drive = bench(lockstep=True, partners=('plant', 'controller'))
     assert drive.supervise is None
-    stamps = [drive.step(count, 10.0, 15.0) for count in range(6)]
+    stamps = [drive.step(count, 10.0 - count, 15.0) for count in range(6)]
     assert [stamp for stamp, _ in drive.sent] == drive.done == stamps
     for count, (_, value) in enumerate(drive.sent):
-        assert value == pytest.approx(expected(count))
+        before = sum(5.0 + earlier for earlier in range(count))
+        assert value == pytest.approx(KP * (5.0 + count) + KI * SAMPLE * before)
     assert drive.node._setpoints == {}
     assert drive.node._audit.last == '', 'a simulated run logs neither start nor end'
+
+
+def test_in_lockstep_wishes_may_come_ahead(bench):
+    drive = bench(lockstep=True, partners=('plant', 'controller'))
+    stamps = [BILLION + count * round(SAMPLE * BILLION) for count in range(4)]
+    drive.read(10.0, stamps[0])
+    for count, stamp in enumerate(stamps):
+        drive.wish(11.0 + count, stamp=stamp)
+    for count, stamp in enumerate(stamps[1:], 1):
+        assert len(drive.sent) == count
+        drive.read(10.0, stamp)
+    assert [stamp for stamp, _ in drive.sent] == stamps
+    # Errors of 1, 2, 3 and 4 rad/s.
+    assert drive.command == pytest.approx(KP * 4.0 + KI * SAMPLE * 6.0)
 
 
 def test_in_lockstep_a_stop_falls_by_the_time_of_the_steps(bench):
@@ -439,7 +461,8 @@ def test_after_the_plants_last_word_nothing_is_missing(bench):
         drive.node.said('plant', word, 0, {})
         assert not drive.node._ended
     for word in (sync.LAST, sync.DONE):
-        drive.node.said('plant', word, 0, {})
+        # Another object, as from a message.
+        drive.node.said('plant', ''.join(list(word)), 0, {})
         assert drive.node._ended
     count = len(drive.sent)
     drive.at += 1.0
@@ -452,20 +475,35 @@ def test_it_says_once_a_second_how_often_messages_come(bench):
     look = next(timer for timer in drive.timers if timer.callback == drive.node._look)
     assert look.timer_period_ns == BILLION
     assert drive.told == []
+    drive.read(math.nan)
     look.callback()
+    assert drive.told[-1]['stamp'] == drive.node.now() and drive.told[-1]['against_reset'] == ''
     assert drive.told[-1]['message'] == 'waiting for motor (found), speed_setpoint (found)'
     assert drive.told[-1]['level'] == 1 and drive.told[-1]['state'] == 'waiting'
     for _ in range(2):
         for _ in range(50):
             drive.tick(after=0.02)
         look.callback()
-    assert drive.told[-1]['message'].startswith('running; motor comes 50 times a second')
+    assert drive.told[-1]['message'] == (
+        'running; motor comes 50 times a second, sample_time asks for 100')
     assert drive.told[-1]['level'] == 1 and drive.told[-1]['motor_rate_hz'] == '50'
     for _ in range(100):
         drive.tick()
     look.callback()
     assert drive.told[-1]['message'] == 'running' and drive.told[-1]['level'] == 0
     assert float(drive.told[-1]['command_v']) == pytest.approx(drive.command, rel=1e-3)
+
+
+@pytest.mark.parametrize('state, wish', [('waiting', None), ('ready', 15.0)])
+def test_a_slow_sensor_is_told_of_a_drive_that_runs_only(bench, state, wish):
+    drive = bench(wait_for_start=True)
+    drive.read(10.0)
+    for _ in range(3):
+        for _ in range(50):
+            drive.tick(after=0.02, wish=wish)
+        drive.node._look()
+    assert drive.told[-1]['state'] == state and 'times a second' not in drive.told[-1]['message']
+    assert drive.told[-1]['motor_rate_hz'] == '50'
 
 
 def test_who_else_commands_or_wishes_is_told_but_not_in_lockstep(bench):
@@ -489,8 +527,9 @@ def test_a_fault_is_an_error_in_the_log_once(bench, capfd):
     drive = bench()
     drive.tick()
     drive.press('topic', True)
-    assert drive.node._tell() is drive.node._tell() is None
-    assert capfd.readouterr().err.count('[ERROR]') == 1
+    for errors in (1, 0):
+        drive.node._tell()
+        assert capfd.readouterr().err.count('[ERROR]') == errors
     assert drive.told[-1]['against_reset'].startswith('emergency stop is pressed (topic)')
     assert drive.told[-1]['message'] == (
         'stopping: emergency_stop: emergency stop (by topic); reset it with ~/reset')

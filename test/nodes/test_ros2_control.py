@@ -86,17 +86,17 @@ def given(tmp_path):
 
 
 def test_commands_reach_the_interface_and_states_the_controller(given):
-    with surroundings('loop') as machine, node('controller', *given, '-p', 'forward_scale:=0.1'):
+    with surroundings('loop') as machine:
         loop = Ros2Control(machine)
-        loop.until(lambda: loop.interfaces['swash'] > 0.3, speed=10.0)
-        assert machine.told['message'] == 'running' and loop.passed_over == 0
-        # A tenth for each volt: the interface has what was sent last, or just before.
-        assert any(loop.interfaces['swash'] == pytest.approx(0.1 * value)
-                   for _, value in machine.commands[-3:])
-        # The joint is gone from the states: a fault, the ramp, and zero at the interface.
-        loop.until(lambda: machine.told.get('fault') == 'feedback_not_finite', speed=math.nan)
-        loop.until(lambda: machine.told.get('at_zero') == 'true', speed=math.nan)
-        loop.until(lambda: loop.interfaces['swash'] == 0.0, speed=10.0)
+        with node('controller', *given, '-p', 'forward_scale:=0.1', '-p', 'stop_time:=0.1'):
+            loop.until(lambda: loop.interfaces['swash'] > 0.3, speed=10.0)
+            assert machine.told['message'] == 'running' and loop.passed_over == 0
+            # A tenth for each volt: the interface has what was sent last, or just before.
+            assert any(loop.interfaces['swash'] == pytest.approx(0.1 * value)
+                       for _, value in machine.commands[-3:])
+            # The reading is gone from the states: a fault, the ramp, zero at the interface.
+            loop.until(lambda: machine.told.get('fault') == 'feedback_not_finite', speed=math.nan)
+            loop.until(lambda: loop.interfaces['swash'] == 0.0, speed=10.0)
         loop.destroy()
 
 
@@ -108,15 +108,6 @@ def test_a_controller_with_other_joints_is_told(given):
                    machine.told.get('message', ''), speed=10.0)
         assert machine.told['level'] == b'\1' and loop.passed_over > 0
         assert math.isnan(loop.interfaces['swash'])
-        loop.destroy()
-
-
-def test_a_controller_that_ends_leaves_zero_at_the_interface(given):
-    with surroundings('loop') as machine:
-        loop = Ros2Control(machine)
-        with node('controller', *given):
-            loop.until(lambda: loop.interfaces['swash'] > 1.0, speed=10.0)
-        loop.until(lambda: loop.interfaces['swash'] == 0.0, speed=10.0)
         loop.destroy()
 
 
