@@ -77,7 +77,9 @@ class Bench:
                 return round(bench.at * BILLION)
 
         self.node = Between()
-        self.node.settings.update(parameters)
+        # Texts come from a message: no two are one object.
+        self.node.settings.update({name: ''.join(list(value)) if isinstance(value, str) else value
+                                   for name, value in parameters.items()})
         self.node.lockstep, self.node.partners = lockstep, list(partners)
         self.node.configure()
         if active:
