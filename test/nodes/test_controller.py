@@ -254,7 +254,7 @@ def test_by_hand_whatever_the_speed_is_follows_nothing(bench):
     for _ in range(50):
         drive.tick(reading=0.0, wish=10.0, name='manual_pump_command')
     assert drive.node._watch.fault is None and drive.command == 10.0
-    drive.tick(wish=10.1, name='manual_pump_command')
+    drive.tick(wish=-0.1, name='manual_pump_command')
     assert drive.node._watch.fault.kind == 'command_invalid'
 
 
