@@ -34,6 +34,7 @@ _FAREWELL = 2.0     # s, for each step on the way down
 _BEAT = 0.5         # s between two questions to the nodes, and between two looks at the answers
 _TURN = 0.1         # s; how soon a signal is seen
 _ACTIVE, _SILENT = 'active', 'silent'
+_NEW = 'unconfigured'   # of a process that was started anew, or cleaned up by hand
 _HELD = 'wait_for_start'    # the controller's parameter
 
 
@@ -51,7 +52,7 @@ class Manager(Node):
         Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
                   3600.0, at_start=True),
         Parameter('heartbeat_timeout', 2.0, 'a node that has not answered for so long is told as '
-                  'silent', 's', 0.6, 60.0, at_start=True),
+                  'silent', 's', 1.5, 60.0, at_start=True),
         Parameter('bring_back', False, 'bring a node up again that was restarted; a controller '
                   'then waits for a start', at_start=True),
         HARDWARE._replace(at_start=True),
@@ -76,7 +77,7 @@ class Manager(Node):
             for name in self.names}
         # State as last told, and when it was (s of the steady clock).
         self._answers = {name: (_SILENT, -math.inf) for name in self.names}
-        self._asked: dict[str, Future] = {}
+        self._asked: dict[str, tuple[Future, float]] = {}   # and when
         self._states = dict.fromkeys(self.names, _SILENT)
         self._diagnostics = Diagnostics(self)
         self._brought_back, self._next = 0, 0.0
@@ -99,7 +100,7 @@ class Manager(Node):
 
         All nodes are asked in each beat; one that is dead keeps the others from nothing.
         """
-        end = time.monotonic() + _TURN
+        end = min(time.monotonic() + _TURN, self._next)
         while (left := end - time.monotonic()) > 0.0:
             self._spinner.spin_once(timeout_sec=left)
         if time.monotonic() < self._next:
@@ -119,21 +120,27 @@ class Manager(Node):
             return
         if state == _ACTIVE:
             self.get_logger().info(f'{name}: is active again')
-        elif self._bring_back and state != _SILENT:
+        elif self._bring_back and state == _NEW:
             self.get_logger().error(f'{name}: is {state}; it is brought up again')
             self._bring_up_again(name)
         else:
             self.get_logger().error(f'{name}: is {state}' + (
                 '; start it again' if state == _SILENT else
-                '; configure and activate it, or give bring_back:=true'))
+                '; configure and activate it' + ', or give bring_back:=true' * (
+                    not self._bring_back)))
 
     def _ask(self, name: str) -> None:
-        client = self._clients_of[name][1]
-        if name in self._asked:
-            client.remove_pending_request(self._asked.pop(name))
+        client, now = self._clients_of[name][1], time.monotonic()
+        asked, since = self._asked.get(name, (None, -math.inf))
+        if asked and not asked.done():
+            if now - since < _ANSWER:
+                return
+            # It is lost, or the node that was to give it is dead.
+            client.remove_pending_request(asked)
         if client.service_is_ready():
-            self._asked[name] = asked = client.call_async(GetState.Request())
+            asked = client.call_async(GetState.Request())
             asked.add_done_callback(lambda done: self._answered(name, done))
+            self._asked[name] = asked, now
 
     def _answered(self, name: str, done: Future) -> None:
         self._answers[name] = done.result().current_state.label, time.monotonic()
