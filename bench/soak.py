@@ -5,7 +5,8 @@ All nodes for a long time: does memory grow, is a step late or lost, do clock an
 
     python -m bench.soak --minutes 20                  # real time
     python -m bench.soak --minutes 20 --first          # the nodes go before all other work
-    python -m bench.soak --hours 8                     # simulated time, as fast as it goes
+    python -m bench.soak --hours 24                    # simulated time, as fast as it goes
+    python -m bench.soak --minutes 60 --respawn 10     # a node is killed every 10 min (respawn.py)
 
 The processes are watched from outside and the bag is read afterwards. Prints a table and OK, or
 what is out (exit code 1).
@@ -65,14 +66,21 @@ def main(arguments: list[str] | None = None) -> int:
                         help='MB by which a process may grow in an hour of drilling (default: 5)')
     parser.add_argument('--first', action='store_true',
                         help='run with --priority: on a machine that others use')
+    parser.add_argument('--respawn', type=float, metavar='MINUTES',
+                        help='with --minutes: kill a node so often; it is started again')
     parser.add_argument('--output', help='keep the bag in this folder')
     args = parser.parse_args(arguments)
     real = args.minutes is not None
+    if args.respawn is not None and not (real and args.respawn > 0.0):
+        parser.error('--respawn takes a number of minutes above 0, and needs --minutes')
     seconds = 60.0 * args.minutes if real else 3600.0 * args.hours
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(args.output or Path(folder) / 'bag')
         scenario = Path(folder) / 'soak.yaml'
         scenario.write_text(SCENARIO.format(seconds=seconds), encoding='utf-8')
+        if args.respawn is not None:
+            from bench.respawn import soak      # needs rclpy
+            return tell(soak(scenario, bag, seconds, 60.0 * args.respawn))
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'run', str(scenario), '-o', str(bag),
              *(['--realtime'] if real else []), *(['--priority', '10'] if args.first else [])],
@@ -94,6 +102,11 @@ def main(arguments: list[str] | None = None) -> int:
         wrong = judge_memory(memory, args.growth)
         wrong += judge_data(bag, seconds, real, args)
         wrong += judge_drive(bag) if real else []
+    return tell(wrong)
+
+
+def tell(wrong: list[str]) -> int:
+    """Print what is out, if anything; return the exit code."""
     print('\nOK' if not wrong else '\nOUT: ' + '; '.join(wrong))
     return 1 if wrong else 0
 

@@ -67,10 +67,12 @@ class Node:
 
     def __init__(self, *, package: str, executable: str, namespace: Any, output: str,
                  parameters: list, arguments: list = (), remappings: list = (),
-                 sigterm_timeout: str = '5', condition: IfCondition | None = None):
+                 sigterm_timeout: str = '5', condition: IfCondition | None = None,
+                 respawn: Any = False, respawn_delay: float | None = None):
         self.node_package, self.node_executable = package, executable
         self.namespace, self.parameters, self.arguments = namespace, parameters, arguments
         self.remappings, self.condition = remappings, condition
+        self.respawn, self.respawn_delay = respawn, respawn_delay
 
 
 def install(monkeypatch) -> None:

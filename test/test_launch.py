@@ -3,6 +3,7 @@
 """The launch file: with ROS 2's launch where it is installed, else with a stand-in of it."""
 from contextlib import ExitStack
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -19,15 +20,19 @@ from .nodes.processes import environment, PATIENCE
 REAL = bool(find_spec('launch') and find_spec('launch_ros'))
 
 
-@pytest.fixture
-def file(monkeypatch):
-    """Return the launch file as a module."""
+def loaded(monkeypatch, name):
+    """Return a launch file as a module."""
     if not REAL:
         launch_stand_in.install(monkeypatch)
-    spec = spec_from_file_location('drive_launch', share('launch', 'drive.launch.py'))
+    spec = spec_from_file_location('loaded', share('launch', f'{name}.launch.py'))
     module = module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture
+def file(monkeypatch):
+    return loaded(monkeypatch, 'drive')
 
 
 def test_every_argument_is_a_parameter_of_its_node(file):
@@ -82,6 +87,35 @@ def test_the_nodes_run_with_what_launch_gives_them(file, managed, tmp_path):
             _, said = process.communicate(timeout=PATIENCE)
             assert process.returncode == 0, f'{name}: {said}'
     _bag_has_readings(bag, 4)
+
+
+@pytest.mark.skipif(REAL, reason='the real one is there')
+@pytest.mark.parametrize('respawn', ['true', 'false'])
+def test_a_machine_of_your_own_is_kept_up(monkeypatch, respawn, tmp_path):
+    """Respawn and the manager's bring_back go together; both nodes take the map."""
+    made = loaded(monkeypatch, 'machine').generate_launch_description()
+    started = launch_stand_in.commands(
+        made, {'respawn': respawn, 'channels': 'map.yaml'}, tmp_path)
+    assert list(started) == ['estimator', 'controller', 'manager']
+    for name in ('estimator', 'controller'):
+        assert started[name][0] == '--managed'
+        assert _parameters(started[name])['channels'] == 'map.yaml'
+    manager = _parameters(started['manager'])
+    assert manager['nodes'] == ['estimator', 'controller']
+    assert manager['bring_back'] is (respawn == 'true')
+    kept = {node.node_executable: node.respawn for node in made.entities
+            if type(node).__name__ == 'Node'}
+    assert kept == {'estimator': 'respawn', 'controller': 'respawn', 'manager': False}
+
+
+def _parameters(arguments):
+    """Return what the files of parameters of a command say, the last one counts."""
+    found = {}
+    for option, path in zip(arguments, arguments[1:]):
+        if option == '--params-file':
+            for entry in yaml.safe_load(Path(path).read_text()).values():
+                found.update(entry['ros__parameters'])
+    return found
 
 
 @pytest.mark.skipif(not REAL, reason="needs ROS 2's launch")

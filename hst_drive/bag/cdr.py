@@ -23,6 +23,8 @@ import numpy as np
 _HEADER = 4
 _STEP = re.compile(r'^(\w+)(?:\[([^\[\]]+)\])?$')
 _MAX_GROUPS = 32
+_NAMES = ('name', 'joint_names', 'interface_names', 'interface_groups')
+"""Arrays that name the elements of those behind them: JointState, those of control_msgs."""
 
 
 class MalformedError(ValueError):
@@ -102,7 +104,7 @@ class _Walk:
             if member.type == 'string':
                 start = self.at
                 found = [self.string() for _ in range(1 if count is None else count)]
-                if count is not None and member.name == 'name':
+                if count is not None and member.name in _NAMES:
                     names = found
                     self.fixed.append((start, self.at - start))
             elif member.type in PRIMITIVES:
@@ -114,7 +116,12 @@ class _Walk:
                 self.message(member.type, path + '.')
             else:
                 for index in range(count):
-                    self.message(member.type, f'{path}[{index}].')
+                    start = self.at
+                    for key in (*names[index:index + 1], str(index)):
+                        if key.isdecimal() or any(
+                                one.startswith(f'{path}[{key}].') for one in self.wanted):
+                            self.at = start
+                            self.message(member.type, f'{path}[{key}].')
 
 
 class Codec:
@@ -230,9 +237,14 @@ class Codec:
         return ({path: (at, walk.order + letter) for path, (at, letter) in walk.offsets.items()},
                 walk.fixed)
 
-    def arrays(self, data: bytes) -> dict[str, tuple[int, list[str]]]:
-        """Return the length of each array of a message, and the names of its elements if any."""
-        return self._walk(data, ()).found
+    def arrays(self, data: bytes, paths: Sequence[str] = ()
+               ) -> dict[str, tuple[int, list[str]]]:
+        """
+        Return the length of each array of a message, and the names of its elements if any.
+
+        An array within an element that ``paths`` call by its name is there under it, too.
+        """
+        return self._walk(data, paths).found
 
     def _walk(self, data: bytes, paths: Sequence[str]) -> _Walk:
         walk = _Walk(self.types, data, set(paths))

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Channel maps: foreign column or topic names, fields and units to ours.
+Channel maps: foreign column or topic names, fields and units to ours, of logs and live topics.
 
 A map is a YAML file (``config/channels_example.yaml``)::
 
@@ -141,6 +141,12 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
 def channel_of(name: str) -> Channel:
     """Return the channel of an entry, also of what is taken off one."""
     return CHANNELS[name.removesuffix(_MINUS)]
+
+
+def parts_of(channel_map: ChannelMap, channel: str) -> list[Entry]:
+    """Return the entry of a channel, and that of what is taken off it if there is one."""
+    return [channel_map.entries[name] for name in (channel, channel + _MINUS)
+            if name in channel_map.entries]
 
 
 def differences(channels: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

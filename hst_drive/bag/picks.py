@@ -135,7 +135,7 @@ def refuse_beyond(pick: Pick, topic: TopicNumbers, source: str) -> None:
     if topic.type == DIAGNOSTIC_ARRAY:
         raise InputError(f'{source}: channels.{pick.entry.channel}: {topic.topic} has no number '
                          f'{pick.path}; it has {known(topic.first)}')
-    arrays = topic.codec.arrays(topic.first[0])
+    arrays = topic.codec.arrays(topic.first[0], [pick.path])
     for step in re.finditer(r'\[([^\[\]]+)\]', pick.path):
         name, element = pick.path[:step.start()], step[1]
         length, names = arrays.get(name, (0, []))

@@ -24,7 +24,7 @@ FAULTS = {
 }
 """What each fault means."""
 _MAY_BE_OFF = ('setpoint_timeout', 'stamp_tolerance', 'frozen_timeout', 'following_error_timeout',
-               'start_after_reset')
+               'start_after_reset', 'wait_for_start')
 
 
 @dataclass(frozen=True)
@@ -57,6 +57,8 @@ class SafetySettings:
     start_after_reset : bool
         A reset is refused above 0 V, and the drive stays there until it is started: by a set
         point (manual command) that is back at its smallest, or by ``Supervisor.start``.
+    wait_for_start : bool
+        The drive stays at 0 V from the beginning on until it is started in that way.
 
     """
 
@@ -72,6 +74,7 @@ class SafetySettings:
     stop_time: float = 1.0
     emergency_stop_time: float = 0.3
     start_after_reset: bool = True
+    wait_for_start: bool = False
 
     def __post_init__(self):
         for entry in fields(self):

@@ -60,7 +60,7 @@ class Supervisor:
                  manual: bool = False):
         self.settings, self.limits, self.manual = settings, limits, manual
         self.fault: Fault | None = None
-        self.held = False                  # reset, but not started
+        self.held = settings.wait_for_start     # at 0 V, not started
         self.passed_over = 0               # bad readings that led to no fault
         self._pressed: set[str] = set()
         self._bad: tuple[str, str] | None = None
@@ -285,7 +285,7 @@ class Supervisor:
         """End the fault if its cause is gone; return what stands against it, else nothing."""
         found = self.causes(now)
         if self.fault and not found:
-            self.held = self.settings.start_after_reset and not self._at_rest
+            self.held = not self._at_rest and (self.held or self.settings.start_after_reset)
             self.fault = self._ramp = self._apart = None
             self._score = 0.0
             self._same_since = now

@@ -70,7 +70,7 @@ class DriveNode(Node):
         self.gather = 0.0
         self.sync: sync.Sync | None = None
         self.answers: sync.Answers | None = None
-        self._wall = Clock(clock_type=ClockType.STEADY_TIME)
+        self.wall = Clock(clock_type=ClockType.STEADY_TIME)
         self._parent = int(os.environ.get(PARENT, 0))
 
     def configure(self) -> None:
@@ -86,9 +86,9 @@ class DriveNode(Node):
         self.taken = self.taken or wiring.recorded(self.partners)
         self._tell_unused(of_topics=True)
         self._waited, self._found = 0.0, False
-        self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self._wall)
+        self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self.wall)
         if self._parent:
-            self.create_timer(_WATCH_PERIOD, self._watch_parent, clock=self._wall)
+            self.create_timer(_WATCH_PERIOD, self._watch_parent, clock=self.wall)
 
     def started(self) -> None:
         """Do what is due once all partners are connected."""

@@ -8,22 +8,20 @@ import sys
 import time
 
 from hst_drive.control import PiController, SafetySettings, Supervisor
-from hst_drive.control.safety import READY, RUNNING, STOPPED
+from hst_drive.control.safety import RUNNING
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync
 from hst_drive.nodes.audit import Audit
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.controller_parameters import PARAMETERS
-from hst_drive.nodes.diagnostics import Diagnostics, ERROR, OK, WARN
+from hst_drive.nodes.controller_status import Status, STATUS_PERIOD
 from hst_drive.nodes.endpoints import BILLION
-from hst_drive.nodes.pace import Pace, Rates
+from hst_drive.nodes.forward import ForwardedOutput
+from hst_drive.nodes.mapped import map_of, MappedInput, search_for
+from hst_drive.nodes.pace import Pace
 from hst_drive.nodes.stopping import StopInputs
-from rcl_interfaces.msg import SetParametersResult
 
-_MODES = ('closed_loop', 'open_loop')
-_STATUS_PERIOD = 1.0
 _PATIENCE = 1.25   # sample times without a reading after which the last one is used once more
-_SELDOM = 0.6      # of the rate that the sample time asks for: readings below it are told
 
 
 class Controller(DriveNode):
@@ -45,15 +43,12 @@ class Controller(DriveNode):
         self._audit = Audit(self, self._tell)
         self._law: PiController | None = None
         self._stops: StopInputs | None = None
-        self.add_on_set_parameters_callback(self._judge_change)
         self.add_post_set_parameters_callback(self._change)
 
     def configure(self) -> None:
         """Build the control law."""
         settings = self.settings
-        if settings['mode'] not in _MODES:
-            raise InputError(f"controller: parameter mode is '{settings['mode']}'; expected one "
-                             f'of {", ".join(_MODES)}')
+        self._map = map_of(self)
         before = self._watch if self._law else None
         try:
             self._law = PiController(
@@ -77,26 +72,40 @@ class Controller(DriveNode):
         self._reading: tuple[int, float] | None = None
         self._setpoint: float | None = None
         self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
-        self._told: str | None = None
         self._runs = False
         self._ended = False
-        self._rates = Rates(_STATUS_PERIOD)
 
     def activate(self) -> None:
         """Open the endpoints."""
         self.publish_to('pump_command')
-        self.listen_to('motor', self._measured, 'joint')
-        for name in ('speed_setpoint', 'manual_pump_command'):
-            self.listen_to(name, lambda stamp, values, name=name: self._wants(
-                name, stamp, values[0]))
-        self._diagnostics = Diagnostics(self)
+        if self.settings['forward_to']:
+            self.outputs['pump_command'] = ForwardedOutput(self, self.outputs['pump_command'])
+        self._listen()
+        self._status = Status(self, self._audit, self._wanted)
         self._stops = StopInputs(self, self._audit, self._press, self._reset,
                                  self._watch.start)
         super().activate()
         if not self.lockstep:
             self._timer = self.create_timer(
-                self.settings['sample_time'], self._supervise, clock=self._wall)
-            self.create_timer(_STATUS_PERIOD, self._look, clock=self._wall)
+                self.settings['sample_time'], self._supervise, clock=self.wall)
+            self.create_timer(STATUS_PERIOD, self._look, clock=self.wall)
+
+    def _listen(self) -> None:
+        if 'motor_speed' in self._map.entries:
+            self.inputs['motor'] = MappedInput(
+                self, self._map, 'motor_speed', lambda stamp, value: self._measured(
+                    stamp, (math.nan, value)), self.settings['feedback_timeout'])
+        else:
+            self.listen_to('motor', self._measured, 'joint')
+        for name in ('speed_setpoint', 'manual_pump_command'):
+            if name in self._map.entries:
+                self.inputs[name] = MappedInput(
+                    self, self._map, name, lambda stamp, value, name=name: self._wants(
+                        name, stamp, value), self.settings['setpoint_timeout'])
+            else:
+                self.listen_to(name, lambda stamp, values, name=name: self._wants(
+                    name, stamp, values[0]))
+        search_for(self)
 
     def deactivate(self) -> None:
         """Leave with the pump at zero: nobody else would take the last command back."""
@@ -117,15 +126,8 @@ class Controller(DriveNode):
         super().said(name, word, stamp, counts)
         self._ended = self._ended or word == sync.LAST
 
-    def _judge_change(self, parameters) -> SetParametersResult:
-        """Accept a set of new gains as a whole or not at all."""
-        bad = [f'{entry.name}={entry.value}' for entry in parameters
-               if entry.name in ('kp', 'ki') and not math.isfinite(entry.value)]
-        return SetParametersResult(successful=not bad, reason=', '.join(bad) + (
-            ': expected finite numbers' if bad else ''))
-
     def _change(self, parameters) -> None:
-        """Take new gains over, all at once and without a jump of the command."""
+        """Take new gains over, all at once and without a jump; rclpy has judged their range."""
         gains = {entry.name: entry.value for entry in parameters if entry.name in ('kp', 'ki')}
         self.settings.update(gains)
         if self._law:
@@ -182,7 +184,7 @@ class Controller(DriveNode):
         before, self._runs = self._runs, self._watch.state == RUNNING
         if self._runs and not before and not self.partners:
             self._audit.note(f'the drive starts; {self._wanted} is {self._setpoint:.4g} '
-                             f'({self._audit.writers(self._wanted)})')
+                             f'({self._audit.writers(self.inputs[self._wanted].name)})')
 
     def _form(self, now: float, speed: float, elapsed: float) -> None:
         """Form a new command; keep the last one if it is none to send."""
@@ -223,7 +225,7 @@ class Controller(DriveNode):
         before = self._command if out.published else 0.0     # a start command is not yet sent
         self._command = self._watch.ramp(self._seconds(stamp), before)
         out.publish(stamp, self._command)
-        if str(self._watch.fault) + self._watch.state != self._told:
+        if not self._status.is_told(self._watch):
             self._tell(stamp)
 
     def _press(self, source: str, pressed: bool) -> bool:
@@ -242,54 +244,14 @@ class Controller(DriveNode):
         return self._reading[0] if self.lockstep and self._reading else self.now()
 
     def _look(self) -> None:
-        """Count how often messages come, once that is known for a whole time, and tell."""
-        if self._rates.count(time.monotonic(), {
-                name: self.inputs[name].received for name in ('motor', self._wanted)}):
+        """Tell as often as it is known how often messages come."""
+        if self._status.count():
             self._tell()
 
     def _tell(self, stamp: int | None = None) -> None:
         """Say on /diagnostics how it stands."""
-        watch, fault = self._watch, self._watch.fault
-        told, self._told = self._told, str(fault) + watch.state
-        ended = fault is not None and fault.kind == 'shutdown'
-        if fault and self._told != told and not ended:
-            self.get_logger().error(f'{fault}; {watch.state}')
-        # In lockstep nobody else takes part.
-        crowded = {} if self.lockstep else {
-            name: count for name in ('pump_command', self._wanted)
-            if (count := self.count_publishers(self.resolve_topic_name(name))) > 1}
-        if fault:
-            message = f'{watch.state}: {fault}' + ('' if ended else '; reset it with ~/reset')
-        else:
-            message = self._waits() or (
-                f'ready; start it with {self._wanted} back at its smallest, or ~/start'
-                if watch.state == READY else 'running')
-            message += ''.join(f'; {count} nodes publish {name}: only one may'
-                               for name, count in crowded.items())
-        asked = 1.0 / self.settings['sample_time']
-        rates = self._rates.found
-        seldom = watch.state == RUNNING and rates.get('motor', asked) < _SELDOM * asked
-        if seldom:
-            message += (f"; motor comes {rates['motor']:.3g} times a second, sample_time asks for "
-                        f'{asked:.3g}')
-        against = watch.causes(self._seconds(self._stamp())) if fault and not ended else ()
-        self._diagnostics.publish(
-            self._stamp() if stamp is None else stamp,
-            f'{self.get_fully_qualified_name()}: safety',
-            WARN if ended else ERROR if fault else
-            OK if watch.state == RUNNING and not crowded and not seldom else WARN, message, {
-                'state': watch.state, 'fault': fault.kind if fault else '',
-                'found': fault.found if fault else '', 'against_reset': ', '.join(against),
-                'last_event': self._audit.last, 'command_v': f'{self._command:.4g}',
-                'at_zero': str(watch.state == STOPPED).lower(),
-                'readings_passed_over': watch.passed_over,
-                **{f'{name}_rate_hz': f'{rate:.3g}' for name, rate in rates.items()}})
-
-    def _waits(self) -> str:
-        """Return for which topics it still waits, and what is there of them; '' if for none."""
-        topics = [self.inputs[name].found() for name, absent in zip(('motor', self._wanted),
-                                                                    self._watch.missing) if absent]
-        return f'waiting for {", ".join(topics)}' if topics else ''
+        self._status.tell(self._stamp() if stamp is None else stamp,
+                          self._seconds(self._stamp()), self._watch, self._command)
 
 
 def main() -> int:

@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 from hst_drive.control import SafetySettings
+from hst_drive.control.pi import ANTIWINDUP_STRATEGIES
 from hst_drive.nodes.diagnostics import HARDWARE
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.forward import PARAMETERS as FORWARD
+from hst_drive.nodes.mapped import CHANNELS
+from hst_drive.nodes.parameters import JOINT, Parameter
 
 _DEFAULTS = SafetySettings()
 PARAMETERS = (
     Parameter('mode', 'closed_loop', 'closed_loop: PI on the speed; open_loop: pass the '
-              'manual command on'),
+              'manual command on', choices=('closed_loop', 'open_loop')),
     HARDWARE,
     Parameter('joint', '', 'joint of the topic motor whose speed is held; empty: the only '
-              'one there is'),
+              'one there is', form=JOINT),
+    CHANNELS,
+    *FORWARD,
     Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
     Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
     Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
@@ -21,8 +26,8 @@ PARAMETERS = (
     Parameter('u_clamp_max', 10.0, 'largest command', 'V', 0.0, 10.0),
     Parameter('start_command', -1.0, 'first command, for a bumpless start; -1: none', 'V',
               -1.0, 10.0),
-    Parameter('antiwindup_strategy', 'conditional_integration',
-              'conditional_integration, back_calculation or none'),
+    Parameter('antiwindup_strategy', 'conditional_integration', 'what the integral does while the '
+              'command is at its limit', choices=ANTIWINDUP_STRATEGIES),
     Parameter('feedback_timeout', _DEFAULTS.feedback_timeout, 'longest time without a usable '
               'speed reading', 's', 0.002, 60.0),
     Parameter('setpoint_timeout', _DEFAULTS.setpoint_timeout, 'longest time without a set '
@@ -48,4 +53,6 @@ PARAMETERS = (
               'emergency stop', 's', 0.01, 60.0),
     Parameter('start_after_reset', _DEFAULTS.start_after_reset, 'after a reset the drive waits at '
               '0 V for a start: set point back at its smallest, or ~/start'),
+    Parameter('wait_for_start', _DEFAULTS.wait_for_start, 'it waits for that start from the '
+              'beginning on; a manager sets this for a controller that it brings back'),
 )

@@ -15,7 +15,7 @@ from hst_drive.nodes.parameters import Parameter
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
 """Levels of a diagnostic_msgs/DiagnosticStatus."""
 HARDWARE = Parameter('hardware_id', '', 'name of the machine in /diagnostics; empty: the '
-                     'namespace')
+                     'namespace', form='any text')
 
 
 class Diagnostics:

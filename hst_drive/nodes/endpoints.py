@@ -143,6 +143,10 @@ class Output:
     ----------
     published : int
         Messages published until now.
+    names : tuple of str
+        Topics that it publishes.
+    wrong : str
+        Why what it publishes is not taken; '' if nothing is known of that.
 
     """
 
@@ -166,6 +170,7 @@ class Output:
                 message_class(topic.type), topic.name, qos_profile(topic.qos),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies())
         self.published = 0
+        self.names, self.wrong = (self.publisher.topic_name,), ''
 
     def publish(self, stamp: int, *values: float) -> None:
         """Publish values (SI, in the order of the table's fields) that were true at stamp, ns."""
@@ -214,6 +219,8 @@ class Input:
 
     Attributes
     ----------
+    name : str
+        The topic's full name.
     received : int
         Messages that could be read until now.
     refused : str
@@ -241,6 +248,7 @@ class Input:
             self.subscription = node.create_subscription(
                 message_class(topic.type), topic.name, self._received, qos_profile(wanted),
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(), raw=True)
+        self.name = self.subscription.topic_name
 
     def _received(self, data: bytes) -> None:
         try:
@@ -268,7 +276,7 @@ class Input:
 
     def found(self) -> str:
         """Return the topic's name and what is there of its publishers."""
-        name = self.subscription.topic_name
+        name = self.name
         matched = self.subscription.get_publisher_count()
         if matched:
             return f'{name} (it has a publisher, but no usable message came)'

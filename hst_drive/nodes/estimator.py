@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 
-from hst_drive.bag.topics import TOPICS, WITH_READING
+from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS, WITH_READING
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.measure.online.characteristic import Estimate, Resistances
 from hst_drive.measure.online.drive import Figures, Observer, Settings, Watched
@@ -13,7 +13,8 @@ from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput, search_for
+from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
@@ -34,11 +35,12 @@ class Estimator(DriveNode):
 
     role = 'estimator'
     parameters = (
-        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
         HARDWARE,
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
-                  'one there is'),
-        Parameter('pump_joint', '', 'joint of the topic pump, likewise'),
+                  'one there is', form=JOINT),
+        Parameter('pump_joint', '', 'joint of the topic pump, likewise', form=JOINT),
+        CHANNELS,
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
         Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
@@ -52,14 +54,19 @@ class Estimator(DriveNode):
                   1e4),
         Parameter('extra_topics', [], 'readings that are off by default and come in this run',
                   choices=wiring.SENSORS),
-        Parameter('bag', '', 'bag that records this run, for the pointer to it'),
+        Parameter('bag', '', 'bag that records this run, for the pointer to it',
+                  form='path of a folder'),
     )
 
     def configure(self) -> None:
         """Build what observes the drive."""
         settings = self.settings
         rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
-        self._extra = wiring.readings(settings['extra_topics'])
+        self._map = map_of(self)
+        # What a map names comes.
+        mapped = [CHANNEL_FIELDS[name][0].name for name in CHANNEL_FIELDS
+                  if name in self._map.entries]
+        self._extra = (*wiring.readings(settings['extra_topics']), *mapped)
         self._expected = tuple(name for name in _READ if TOPICS[name].on or name in self._extra)
         # Position of a channel among the fields of its topic.
         self._channels = {name: [(place, field.channel) for place, field in
@@ -86,8 +93,15 @@ class Estimator(DriveNode):
         self.outputs['verdict'] = verdict.VerdictOutput(self)
         self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
         for name in _READ:
-            self.listen_to(name, lambda stamp, values, name=name: self._measured(
-                name, stamp, values), _JOINTS.get(name, ''))
+            channels = [field.channel for field in TOPICS[name].fields if field.channel]
+            for channel in filter(self._map.entries.__contains__, channels):
+                self.inputs[channel] = MappedInput(
+                    self, self._map, channel, lambda stamp, value, channel=channel: self._mapped(
+                        channel, stamp, value), self.settings['timeout'])
+            if not set(channels) <= set(self._map.entries):
+                self.listen_to(name, lambda stamp, values, name=name: self._measured(
+                    name, stamp, values), _JOINTS.get(name, ''))
+        search_for(self)
         super().activate()
         if not self.lockstep:
             self.create_timer(1.0 / self.settings['rate'], self._tick)
@@ -101,7 +115,8 @@ class Estimator(DriveNode):
         if topic not in self._channels:
             return
         for place, channel in self._channels[topic]:
-            self._observer.put(channel, stamp, values[place])
+            if channel not in self._map.entries:
+                self._observer.put(channel, stamp, values[place])
         self._heard = self._heard or not self.inputs[topic].refused
         if self.lockstep:
             self._awaited[topic] = stamp
@@ -110,6 +125,10 @@ class Estimator(DriveNode):
                 self._step = reached
                 self._advance(reached)
                 self.answers.done(reached)
+
+    def _mapped(self, channel: str, stamp: int, value: float) -> None:
+        self._observer.put(channel, stamp, value)
+        self._heard = True
 
     def _tick(self) -> None:
         """Go on as far as the signals have come in real time; say so when none comes."""

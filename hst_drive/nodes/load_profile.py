@@ -7,11 +7,11 @@ import sys
 import time
 
 from hst_drive.bag.topics import TOPICS
-from hst_drive.load import load_scenario
+from hst_drive.load import load_scenario, shipped_scenarios
 from hst_drive.nodes import sync
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.sync import SLOW
 from hst_drive.rig import load_rig
@@ -28,12 +28,13 @@ class LoadProfile(DriveNode):
 
     role = 'load_profile'
     parameters = (
-        Parameter('scenario', 'paper_step', 'name of a shipped scenario, or a file'),
+        Parameter('scenario', 'paper_step', 'name of a shipped scenario, or a file',
+                  form=f'one of: {", ".join(shipped_scenarios())}; or the path of a YAML file'),
         Parameter('log', '', 'drilling log, or recording, whose load is drilled; empty: the one '
-                  'that the scenario names'),
+                  'that the scenario names', form='path of a CSV file or a bag'),
         Parameter('channels', '', 'channel map of the recording; empty: none, or the one that '
-                  'the scenario names'),
-        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
+                  'the scenario names', form=YAML_FILE),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
         Parameter('rate', 100.0, 'messages per second in real time', 'Hz', 1.0, 1000.0),
     )
 
@@ -82,7 +83,7 @@ class LoadProfile(DriveNode):
             began = time.monotonic()
             self._timer = self.create_timer(
                 1.0 / self.settings['rate'],
-                lambda: self._play(self.now(), time.monotonic() - began), clock=self._wall)
+                lambda: self._play(self.now(), time.monotonic() - began), clock=self.wall)
 
     def _clocked(self, message: Clock) -> None:
         stamp = message.clock.sec * BILLION + message.clock.nanosec

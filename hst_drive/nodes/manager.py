@@ -4,20 +4,26 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 import time
 
 from hst_drive.errors import InputError
+from hst_drive.nodes.diagnostics import Diagnostics, ERROR, HARDWARE, OK, WARN
 from hst_drive.nodes.parameters import declare, Parameter
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.srv import GetParameters, SetParameters
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
+from std_srvs.srv import Trigger
 
 _GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INACTIVE),
           'activate': (Transition.TRANSITION_ACTIVATE, State.PRIMARY_STATE_ACTIVE),
@@ -25,8 +31,11 @@ _GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INA
           'cleanup': (Transition.TRANSITION_CLEANUP, State.PRIMARY_STATE_UNCONFIGURED)}
 _ANSWER = 1.0       # s until an answer is taken for lost, or the node for busy
 _FAREWELL = 2.0     # s, for each step on the way down
-_LOOK = 1.0         # s between two looks at the nodes
+_BEAT = 0.5         # s between two questions to the nodes, and between two looks at the answers
+_TURN = 0.1         # s; how soon a signal is seen
 _ACTIVE, _SILENT = 'active', 'silent'
+_NEW = 'unconfigured'   # of a process that was started anew, or cleaned up by hand
+_HELD = 'wait_for_start'    # the controller's parameter
 
 
 class Refused(Exception):
@@ -38,19 +47,22 @@ class Manager(Node):
 
     role = 'manager'
     parameters = (
-        Parameter('nodes', [], 'nodes to bring up, in this order', at_start=True),
+        Parameter('nodes', [], 'nodes to bring up, in this order', at_start=True,
+                  form='names of managed nodes in the same namespace'),
         Parameter('patience', 20.0, 'how long to wait for a node and for its answer', 's', 0.1,
                   3600.0, at_start=True),
-        Parameter('bring_back', False, 'bring a node up again that was restarted; with a '
-                  'controller that may move the bit', at_start=True),
+        Parameter('heartbeat_timeout', 2.0, 'a node that has not answered for so long is told as '
+                  'silent', 's', 1.5, 60.0, at_start=True),
+        Parameter('bring_back', False, 'bring a node up again that was restarted; a controller '
+                  'then waits for a start', at_start=True),
+        HARDWARE._replace(at_start=True),
     )
 
     def __init__(self):
         super().__init__('manager', namespace='drive')
-        settings = declare(self, self.parameters)
+        self.settings = settings = declare(self, self.parameters)
         self.names, self.patience = settings['nodes'], settings['patience']
         self._bring_back = settings['bring_back']
-        self._seen: dict[str, str] = {}     # state by node, where it is not active
         if not self.names:
             raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
         self._spinner = SingleThreadedExecutor()
@@ -59,6 +71,17 @@ class Manager(Node):
         self._clients_of = {name: (self.create_client(ChangeState, f'{name}/change_state'),
                                    self.create_client(GetState, f'{name}/get_state'))
                             for name in self.names}
+        self._parameters_of = {
+            name: (self.create_client(GetParameters, f'{name}/get_parameters'),
+                   self.create_client(SetParameters, f'{name}/set_parameters'))
+            for name in self.names}
+        # State as last told, and when it was (s of the steady clock).
+        self._answers = {name: (_SILENT, -math.inf) for name in self.names}
+        self._asked: dict[str, tuple[Future, float]] = {}   # and when
+        self._states = dict.fromkeys(self.names, _SILENT)
+        self._diagnostics = Diagnostics(self)
+        self._brought_back, self._next = 0, 0.0
+        self.create_service(Trigger, '~/is_active', self._say_active)
 
     def bring_up(self) -> None:
         """Configure all, then activate all."""
@@ -68,31 +91,110 @@ class Manager(Node):
                 if name not in self.up:
                     self.up.append(name)
                 self.get_logger().info(f'{name}: {step}d')
+        self._answers = {name: (_ACTIVE, time.monotonic()) for name in self.names}
+        self._states = dict.fromkeys(self.names, _ACTIVE)
 
     def watch(self) -> None:
-        """Tell what is no longer active; bring up what has come back, if that is asked for."""
+        """
+        Work until the next beat: tell what is not active, bring up what has come back.
+
+        All nodes are asked in each beat; one that is dead keeps the others from nothing.
+        """
+        end = min(time.monotonic() + _TURN, self._next)
+        while (left := end - time.monotonic()) > 0.0:
+            self._spinner.spin_once(timeout_sec=left)
+        if time.monotonic() < self._next:
+            return
+        self._next = time.monotonic() + _BEAT
         for name in self.names:
-            state, before = self._state_of(name), self._seen.pop(name, _ACTIVE)
-            if state != _ACTIVE:
-                self._seen[name] = state
-            if state == before:
-                continue
-            if state == _ACTIVE:
-                self.get_logger().info(f'{name}: is active again')
-            elif self._bring_back and state != _SILENT:
-                self.get_logger().error(f'{name}: is {state}; it is brought up again')
-                self._bring_up_again(name)
-            else:
-                self.get_logger().error(f'{name}: is {state}' + (
-                    '; start it again' if state == _SILENT else
-                    '; configure and activate it, or give bring_back:=true'))
+            self._look(name)
+        self._tell()
+
+    def _look(self, name: str) -> None:
+        state, at = self._answers[name]
+        if time.monotonic() - at > self.settings['heartbeat_timeout']:
+            state = _SILENT
+        before, self._states[name] = self._states[name], state
+        self._ask(name)
+        if state == before:
+            return
+        if state == _ACTIVE:
+            self.get_logger().info(f'{name}: is active again')
+        elif self._bring_back and state == _NEW:
+            self.get_logger().error(f'{name}: is {state}; it is brought up again')
+            self._bring_up_again(name)
+        else:
+            self.get_logger().error(f'{name}: is {state}' + (
+                '; start it again' if state == _SILENT else
+                '; configure and activate it' + ', or give bring_back:=true' * (
+                    not self._bring_back)))
+
+    def _ask(self, name: str) -> None:
+        client, now = self._clients_of[name][1], time.monotonic()
+        asked, since = self._asked.get(name, (None, -math.inf))
+        if asked and not asked.done():
+            if now - since < _ANSWER:
+                return
+            # It is lost, or the node that was to give it is dead.
+            client.remove_pending_request(asked)
+        if client.service_is_ready():
+            asked = client.call_async(GetState.Request())
+            asked.add_done_callback(lambda done: self._answered(name, done))
+            self._asked[name] = asked, now
+
+    def _answered(self, name: str, done: Future) -> None:
+        self._answers[name] = done.result().current_state.label, time.monotonic()
+
+    def _tell(self) -> None:
+        """Say on /diagnostics how all stand together."""
+        absent = self.absent()
+        self._diagnostics.publish(
+            self.get_clock().now().nanoseconds, f'{self.get_fully_qualified_name()}: nodes',
+            ERROR if _SILENT in self._states.values() else WARN if absent else OK,
+            absent or 'all nodes are active',
+            {**self._states, 'brought_back': self._brought_back})
+
+    def absent(self) -> str:
+        """Return which nodes are not active, and what they are; '' if all are."""
+        return ', '.join(f'{name} is {state}' for name, state in self._states.items()
+                         if state != _ACTIVE)
+
+    def _say_active(self, request, response):
+        absent = self.absent()
+        response.success, response.message = not absent, absent or 'all nodes are active'
+        return response
 
     def _bring_up_again(self, name: str) -> None:
         try:
+            self._hold(name)
             for step in ('configure', 'activate'):
                 self._go(name, step)
+            self._brought_back += 1
         except Refused as problem:
             self.get_logger().error(str(problem))
+        # Nobody was asked meanwhile.
+        now = time.monotonic()
+        self._answers = {other: (state, now) for other, (state, _) in self._answers.items()}
+
+    def _hold(self, name: str) -> None:
+        """Let a controller that was started anew wait for a start: nobody expects a motion."""
+        ask, put = self._parameters_of[name]
+        if self._answer(name, ask, GetParameters.Request(names=[_HELD])).values and not (
+                self._answer(name, put, SetParameters.Request(parameters=[RosParameter(
+                    _HELD, value=True).to_parameter_msg()])).results[0].successful):
+            # As it is configured already: by somebody else.
+            raise Refused(f'{name}: {_HELD} cannot be set; configure and activate it yourself')
+
+    def _answer(self, name: str, client, request):
+        """Return the answer to what may be asked twice."""
+        end = time.monotonic() + self.patience
+        while time.monotonic() < end:
+            if client.wait_for_service(timeout_sec=_ANSWER):
+                asked = client.call_async(request)
+                if self._wait(asked):
+                    return asked.result()
+                client.remove_pending_request(asked)
+        raise Refused(f'{name}: does not answer {client.srv_name}')
 
     def _state_of(self, name: str) -> str:
         ask = self._clients_of[name][1]
@@ -139,6 +241,10 @@ class Manager(Node):
                 return
             if future.done() and state is not None:
                 break
+            if state is not None:
+                # It answers, but not this: one that was restarted may have found only one of the
+                # two clients by then. A second transition that does not fit does no harm.
+                future = change.call_async(ChangeState.Request(transition=Transition(id=number)))
         raise Refused(f'{name}: does not {step}; it is {state.label if state else "silent"}, '
                       'its log says why')
 
@@ -165,12 +271,8 @@ def main(args: list[str] | None = None) -> int:
         node = Manager()
         node.bring_up()
         print('all nodes are active', flush=True)
-        looked = time.monotonic()
         while not signals:
-            time.sleep(0.1)
-            if time.monotonic() - looked > _LOOK:
-                node.watch()
-                looked = time.monotonic()
+            node.watch()
     except Refused as problem:
         print(f'manager: {problem}', file=sys.stderr, flush=True)
         code = 1

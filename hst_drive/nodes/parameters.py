@@ -16,13 +16,16 @@ _TYPES = {bool: RosParameter.Type.BOOL, int: RosParameter.Type.INTEGER,
           float: RosParameter.Type.DOUBLE, str: RosParameter.Type.STRING,
           list: RosParameter.Type.STRING_ARRAY}
 _QOS = 'qos_overrides.'
+JOINT = "name of a joint in the messages' array name"
+YAML_FILE = 'path of a YAML file'
 
 
 class Parameter(NamedTuple):
     """
     One parameter of a node.
 
-    ``low`` and ``high`` bound a number (both or none); ``choices`` are the texts that there are.
+    ``low`` and ``high`` bound a number (both or none); ``choices`` are the texts that there are,
+    ``form`` says what a text must be where they cannot be listed.
     A ``live`` parameter counts at once. Any other is read when the node is configured, and
     read-only where that happens once; ``at_start`` is one that is read before.
     """
@@ -36,6 +39,7 @@ class Parameter(NamedTuple):
     live: bool = False
     choices: tuple[str, ...] = ()
     at_start: bool = False
+    form: str = ''
 
     def descriptor(self, managed: bool = False) -> ParameterDescriptor:
         """Return what ``ros2 param describe`` shows."""
@@ -44,6 +48,7 @@ class Parameter(NamedTuple):
         if self.choices:
             some = 'some' if isinstance(self.default, list) else 'one'
             constraints.append(f'{some} of: {", ".join(self.choices)}')
+        constraints += [self.form] * bool(self.form)
         result = ParameterDescriptor(
             name=self.name, type=_TYPES[type(self.default)].value,
             description=f'{self.description}{unit}',
@@ -129,7 +134,7 @@ def markdown(nodes: Mapping[str, Iterable[Parameter]]) -> str:
                   '| what it is |', '|---|---|---|---|---|---|']
         for entry in parameters:
             limits = (f'{entry.low:g} to {entry.high:g}' if entry.low is not None
-                      else ', '.join(entry.choices))
+                      else ', '.join(entry.choices) or entry.form)
             default = str(entry.default).lower() if isinstance(
                 entry.default, bool) else repr(entry.default)
             when = ('at any time' if entry.live else

@@ -15,7 +15,7 @@ from hst_drive.model.steady import operating_point
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, ClockOutput, partners_of, topic_named
-from hst_drive.nodes.parameters import Parameter
+from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.readings import BURST, Readings
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.rig import default_rig, load_rig
@@ -35,9 +35,10 @@ class Plant(DriveNode):
     role = 'plant'
     _readings: Readings | None = None
     parameters = (
-        Parameter('rig', '', 'rig file; empty: the shipped test rig'),
-        Parameter('effects', [], 'hidden effects: id.parameter=value (SI), '
-                  'id.parameter=value[unit] or id'),
+        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
+        Parameter('effects', [], 'hidden effects',
+                  form='id.parameter=value (SI), id.parameter=value[unit] or id, as hst-drive '
+                  'effects lists them'),
         Parameter('effects_from', 0.0, 'time of the run from which on the hidden effects act',
                   's', 0.0, 1e7),
         Parameter('seed', 1, "seed of the sensors' noise", low=0, high=2**31 - 1),
@@ -105,7 +106,7 @@ class Plant(DriveNode):
             self._clock_output = ClockOutput(self, 2 * sync.INTERVAL)
         super().activate()
         self._heard, self._ready = time.monotonic(), False
-        self.create_timer(0.25, self._watch, clock=self._wall)
+        self.create_timer(0.25, self._watch, clock=self.wall)
 
     def deactivate(self) -> None:
         """Publish what was kept for a burst."""
@@ -152,7 +153,7 @@ class Plant(DriveNode):
             self._next_step()
         else:
             self._start, self._began = self.now(), time.monotonic()
-            self.create_timer(self._period / BILLION, self._tick, clock=self._wall)
+            self.create_timer(self._period / BILLION, self._tick, clock=self.wall)
             self.sync.say(sync.START, self._start)
             self._tick()
 

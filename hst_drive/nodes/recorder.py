@@ -11,11 +11,14 @@ import time
 from typing import TYPE_CHECKING
 
 from hst_drive import bag
+from hst_drive.bag.cdr import Codec
+from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import Qos
 from hst_drive.errors import InputError
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.endpoints import message_class, qos_profile, stamp_of, topic_named
+from hst_drive.nodes.mapped import CHANNELS, map_of, topics_of
 from hst_drive.nodes.parameters import Parameter
 
 if TYPE_CHECKING:
@@ -38,13 +41,14 @@ class Recorder(DriveNode):
     role = 'recorder'
     _bag: BagWriter | None = None
     parameters = (
-        Parameter('output', '', 'folder to create'),
+        Parameter('output', '', 'folder to create', form='path that does not exist'),
         Parameter('topics', [], 'full names of topics to record; empty: those of the table that '
-                  'the partners publish'),
+                  'the partners publish', form='names that begin with /'),
+        CHANNELS._replace(description='channel map whose topics are recorded besides'),
         Parameter('extra_topics', [], 'readings of the plant that are off by default',
                   choices=wiring.SENSORS),
         Parameter('truth', False, 'record the values without noise as well'),
-        Parameter('notes', [], "name=value pairs to keep in the bag's metadata"),
+        Parameter('notes', [], "to keep in the bag's metadata", form='name=value pairs'),
     )
 
     def configure(self) -> None:
@@ -54,8 +58,9 @@ class Recorder(DriveNode):
             raise InputError('recorder: parameter output is empty; name the folder to create')
         nodes = self.partners or wiring.NODES
         self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'])
-        names = settings['topics'] or [
-            self.resolve_topic_name(topic_named(name).name) for name in self.taken]
+        names = [*(settings['topics'] or (
+            self.resolve_topic_name(topic_named(name).name) for name in self.taken)),
+            *map(self.resolve_topic_name, topics_of(map_of(self)))]
         self._order = {name: place for place, name in enumerate(names)}
         self._subscriptions_by_name: dict[str, object] = {}
         self._received = dict.fromkeys(names, 0)
@@ -76,8 +81,8 @@ class Recorder(DriveNode):
         if self._bag is None:
             raise InputError('recorder: its bag is closed; configure it anew')
         super().activate()
-        self._search = self.create_timer(0.05, self._subscribe_found, clock=self._wall)
-        self.create_timer(1.0, self._flush, clock=self._wall)
+        self._search = self.create_timer(0.05, self._subscribe_found, clock=self.wall)
+        self.create_timer(1.0, self._flush, clock=self.wall)
 
     def not_connected(self) -> list[str]:
         """Return the topics that have no publisher yet."""
@@ -161,13 +166,15 @@ class Recorder(DriveNode):
         first = publishers[0]
         self._bag.add_topic(name, first.topic_type, type_hash=str(first.topic_type_hash),
                             qos=offered)
+        kind = first.topic_type
+        stamped = Codec(kind, find_definition(kind)).has_stamp
         self._subscriptions_by_name[name] = self.create_subscription(
-            message_class(first.topic_type), name,
-            lambda data, name=name: self._take(name, data), qos_profile(offered, _DEPTH), raw=True)
+            message_class(kind), name, lambda data: self._take(
+                name, data, stamp_of(data) if stamped else self.now()),
+            qos_profile(offered, _DEPTH), raw=True)
 
-    def _take(self, name: str, data: bytes) -> None:
+    def _take(self, name: str, data: bytes, stamp: int) -> None:
         self._last_message = time.monotonic()
-        stamp = stamp_of(data)
         if not self.lockstep:
             self._store(name, data, self.now(), stamp)
             return

@@ -61,6 +61,42 @@ def test_a_foreign_bag_is_read_by_a_map(foreign):
     assert any('no stamps' in note for note in run.notes)
 
 
+DYNAMIC = ('control_msgs/msg/DynamicJointState', '\n'.join([
+    'std_msgs/Header header', 'string[] joint_names', 'InterfaceValue[] interface_values',
+    '=' * 80, 'MSG: control_msgs/InterfaceValue', 'string[] interface_names', 'float64[] values',
+    '=' * 80, 'MSG: std_msgs/Header', find_definition('std_msgs/msg/Header')]))
+"""As control_msgs 5 has it, for machines without that package."""
+
+
+@pytest.fixture
+def ros2_control(tmp_path):
+    """Return a bag with what a joint_state_broadcaster says of all state interfaces."""
+    return write_bag(tmp_path / 'ros2_control', {'/dynamic_joint_states': (
+        DYNAMIC, encoded(DYNAMIC, lambda i, at: {
+            'header': stamp(at), 'joint_names': ['feed', 'drill', 'valve'], 'interface_values': [
+                {'interface_names': ['velocity'], 'values': [9.0]},
+                {'interface_names': ['pressure', 'velocity'], 'values': [50.0 + i, float(i)]},
+                {'interface_names': ['voltage'], 'values': [4.5]}]}))})
+
+
+def test_interfaces_of_ros2_control_go_by_joint_and_interface(ros2_control):
+    values = '/dynamic_joint_states.interface_values'
+    run = read_log(ros2_control, parse_channel_map({'channels': {
+        'motor_speed': {'from': f'{values}[drill].values[velocity]', 'unit': 'rad/s'},
+        'pump_outlet_pressure': {'from': f'{values}[drill].values[pressure]', 'unit': 'bar'},
+        'pump_command': {'from': f'{values}[2].values[0]', 'unit': 'V'},
+        'pprv_command': {'from': f'{values}[valve].values[voltage]', 'unit': 'V'}}}))
+    np.testing.assert_array_equal(run['motor_speed'], np.arange(40.0))
+    np.testing.assert_allclose(run['pump_outlet_pressure'], (50.0 + np.arange(40.0)) * 1e5)
+    assert set(run['pump_command']) == set(run['pprv_command']) == {4.5}
+    with pytest.raises(InputError, match='length 2: elements 0 to 1 or pressure, velocity'):
+        read_log(ros2_control, parse_channel_map({'channels': {'motor_speed': {
+            'from': f'{values}[drill].values[speed]', 'unit': 'rad/s'}}}))
+    with pytest.raises(InputError, match='length 3: elements 0 to 2 or feed, drill, valve'):
+        read_log(ros2_control, parse_channel_map({'channels': {'motor_speed': {
+            'from': f'{values}[dril].values[velocity]', 'unit': 'rad/s'}}}))
+
+
 @pytest.mark.parametrize('entry, said', [
     ('/rig/jonts.velocity[0]', r'no topic /rig/jonts; did you mean /rig/joints\?'),
     ('/rig/joints.velocty[0]', "no field 'velocty"),

@@ -3,8 +3,11 @@
 """What the soak makes of its looks at the processes and of the bag."""
 from argparse import Namespace
 
+from bench.respawn import judge
 from bench.soak import judge_data, judge_drive, judge_memory, Memory, memory_of, PERIOD
 from hst_drive.bag import BagWriter, write_run
+from hst_drive.bag.cdr import Codec
+from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
 from hst_drive.measure.run import Run
 import numpy as np
@@ -65,3 +68,32 @@ def test_a_drive_that_was_stopped_is_told(tmp_path):
     command[400:] = 0.0
     write_run(tmp_path / 'b', Run('b', np.arange(1000) * 0.01, {'pump_command': command}))
     assert '6 s, first at 4 s' in judge_drive(tmp_path / 'b')[0]
+
+
+@pytest.mark.parametrize('change, kills, words', [
+    ({}, 1, []), ({}, 2, ['1 gaps, the controller was killed 2 times']),
+    ({'lost': 450}, 1, ['1 readings are missing']), ({'first': 3.0}, 1, ['3 V right after']),
+    ({'after': 0.0}, 1, ['was not started again']), ({'back': 1900}, 1, ['a gap of 17.0 s'])])
+def test_after_a_kill_only_the_commands_until_the_return_may_be_lost(
+        tmp_path, change, kills, words):
+    """Killed at 2 s, back 4 s later, started a second after that."""
+    change = {'lost': None, 'first': 0.0, 'after': 5.0, 'back': 600, **change}
+    back = change['back']
+    with BagWriter(tmp_path / 'bag') as bag:
+        codecs = {}
+        for name in ('motor', 'pump_command'):
+            kind = TOPICS[name].type
+            bag.add_topic(f'/drive/{name}', kind)
+            codecs[name] = Codec(kind, find_definition(kind))
+        for step in range(2400):
+            stamp = START + step * PERIOD
+            if step != change['lost']:
+                bag.write('/drive/motor', codecs['motor'].encode({
+                    'name': ['motor'], 'velocity': [10.0]}), stamp, stamp)
+            if not 200 <= step < back:
+                value = (5.0 if step < 200 else change['first'] if step == back
+                         else 0.0 if step < back + 100 else change['after'])
+                bag.write('/drive/pump_command', codecs['pump_command'].encode({
+                    'vector': {'x': value}}), stamp, stamp)
+    said = judge(tmp_path / 'bag', kills)
+    assert len(said) == len(words) and all(word in line for word, line in zip(words, said)), said

@@ -379,7 +379,7 @@ def test_the_defaults_are_those_that_the_table_of_faults_tells():
         'frozen_timeout': 1.0, 'bad_readings': 3, 'speed_limit': 30.0,
         'acceleration_limit': 1500.0, 'following_error_limit': 3.0,
         'following_error_timeout': 5.0, 'stop_time': 1.0, 'emergency_stop_time': 0.3,
-        'start_after_reset': True}
+        'start_after_reset': True, 'wait_for_start': False}
 
 
 def test_nobody_changes_the_limits_of_a_supervisor_that_watches():

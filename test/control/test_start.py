@@ -121,6 +121,27 @@ def test_to_be_held_goes_over_to_the_next_supervisor():
     assert after.state == 'ready'
 
 
+def test_it_may_wait_for_a_start_from_the_beginning_on():
+    def new(**more):
+        watch = Supervisor(SafetySettings(wait_for_start=True, bad_readings=1, **more))
+        watch.feedback(1.0, 1.0, 0.0)
+        watch.wish(1.0, 5.0)
+        return watch
+
+    assert Supervisor(SafetySettings()).held is False
+    watch = new()
+    assert watch.state == 'ready' and not watch.formed(1.0, 1.0)
+    assert watch.start() == [] and watch.state == 'running' and watch.formed(1.0, 1.0)
+    watch = new()
+    watch.wish(1.1, 0.0)
+    assert watch.state == 'running'
+    # A stop and its reset before the start are none.
+    watch = new(start_after_reset=False)
+    watch.press('topic', True, 1.0)
+    watch.press('topic', False, 1.0)
+    assert watch.reset(1.0) == [] and watch.state == 'ready'
+
+
 def test_without_the_option_it_goes_on_from_the_command_that_holds():
     watch = Supervisor(SafetySettings(start_after_reset=False, bad_readings=1))
     watch.wish(1.0, 5.0)

@@ -47,6 +47,7 @@ def test_readings_of_any_driver_are_taken_where_none_must_arrive(
 
 @pytest.mark.parametrize('status, group', [
     ('/drive/controller: safety', 'Safety'), ('/east/controller: safety', 'Safety'),
+    ('/drive/manager: nodes', 'Safety'),
     ('/drive/estimator: watch', 'Condition'), ('/drive/estimator: valid', 'Condition'),
     ('/arms/controller', None)])
 def test_the_aggregator_puts_each_status_into_one_group(status, group):

@@ -143,9 +143,9 @@ def test_a_manager_brings_the_nodes_up_in_order_and_down_again(client, tmp_path)
     assert {'/drive/pump_command', '/drive/motor', '/drive/speed_setpoint'} <= topics
 
 
-@pytest.mark.parametrize('bring_back', [False, True])
-def test_a_manager_tells_of_a_node_that_was_killed_and_may_bring_it_back(
-        client, tmp_path, bring_back):  # noqa: F811
+def test_a_manager_tells_of_a_node_that_was_killed_and_of_one_that_is_back(
+        client, tmp_path):  # noqa: F811
+    """It brings none back unless that is asked for (``test_manager``)."""
     def start(name, *arguments):
         return subprocess.Popen([sys.executable, '-m', f'hst_drive.nodes.{name}', *arguments],
                                 env=environment(), stdout=log, stderr=log)
@@ -155,8 +155,7 @@ def test_a_manager_tells_of_a_node_that_was_killed_and_may_bring_it_back(
 
     with open(tmp_path / 'log', 'w') as log, ExitStack() as stack:
         first = start('controller', '--managed')
-        manager = start('manager', '--ros-args', '-p', 'nodes:=[controller]', '-p',
-                        f'bring_back:={str(bring_back).lower()}')
+        manager = start('manager', '--ros-args', '-p', 'nodes:=[controller]')
         stack.callback(manager.kill)
         wait_for(lambda: said('all nodes are active'))
         first.kill()
@@ -165,9 +164,8 @@ def test_a_manager_tells_of_a_node_that_was_killed_and_may_bring_it_back(
         stack.enter_context(managed('controller'))
         wait_for(lambda: said('controller: is unconfigured'))
         ask = Asker(client, 'controller')
-        if not bring_back:
-            assert said('or give bring_back:=true') and ask.state == 'unconfigured'
-            assert ask(CONFIGURE) and ask(ACTIVATE)
+        assert said('or give bring_back:=true') and ask.state == 'unconfigured'
+        assert ask(CONFIGURE) and ask(ACTIVATE)
         wait_for(lambda: said('controller: is active again'))
         assert ask.state == 'active'
         manager.send_signal(signal.SIGINT)

@@ -207,7 +207,7 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
                           machine.told.get('message', ''), wish=None)
             machine.until(lambda: machine.told['message'] == 'running')
             second = machine.node.create_publisher(Vector3Stamped, 'pump_command', 10)
-            machine.until(lambda: '2 nodes publish pump_command' in machine.told['message'])
+            machine.until(lambda: '2 nodes publish /third/pump_command' in machine.told['message'])
             assert machine.told['level'] == b'\1'
             machine.node.destroy_publisher(second)
             machine.until(lambda: machine.told['message'] == 'running')

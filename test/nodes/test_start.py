@@ -112,7 +112,8 @@ def test_a_node_asks_its_executor_seldom():
 @pytest.mark.parametrize('arguments, words', [
     (['--managd'], ("'--managd'", '--managed', '--ros-args')),
     (['--ros-args', '-p', 'kp:=1'], ('parameter kp is 1 (INTEGER), expected DOUBLE',)),
-    (['--ros-args', '-p', 'mode:=nothing'], ('controller: parameter mode is', 'open_loop')),
+    (['--ros-args', '-p', 'mode:=nothing'],
+     ("controller: parameter mode: 'nothing' is none of its values", 'open_loop')),
     (['--ros-args', '-p', 'partners:=[plnt]'], ("partners: 'plnt'", "did you mean 'plant'?")),
     (['--ros-args', '-p', 'qos_overrides./drive/motor.subscription.reliability:=besteffort'],
      ('qos_overrides./drive/motor', 'besteffort'))])
