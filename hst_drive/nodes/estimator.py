@@ -34,8 +34,8 @@ class Estimator(DriveNode):
 
     role = 'estimator'
     parameters = (
-        Parameter('rig', '', "rig file, or a machine's own from commission; empty: the shipped test "
-                  'rig'),
+        Parameter('rig', '', "rig file, or a machine's own from commission; empty: the shipped "
+                  'test rig'),
         HARDWARE,
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
                   'one there is'),

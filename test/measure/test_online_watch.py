@@ -11,7 +11,7 @@ from hst_drive.measure.online import watch as watching
 from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.characteristic import Characteristic
 from hst_drive.measure.online.drive import Observer
-from hst_drive.measure.online.naming import Signatures
+from hst_drive.measure.online.naming import likely, Signatures
 from hst_drive.measure.online.residuals import Balances, Residual
 from hst_drive.measure.online.stream import Window
 from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD, Watch
@@ -139,6 +139,24 @@ def test_a_leak_since_commissioning_that_the_make_swallows_is_alarmed(seed):
     assert watch_unit(own, seed, 4.0, worn, judged=RIG)[1] == []
     alarms = watch_unit(own, seed, 4.0, worn)[1]
     assert alarms and all('motor_leakage' in alarm for alarm in alarms)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('now', [1.6, 0.4])
+def test_an_adopted_leak_that_grows_or_shrinks_is_named_with_its_whole_size(now):
+    known = replace(RIG, effects={'motor_leakage': {'conductance': LEAK.typical}})
+    signatures, balances = Signatures(known), Balances(known, SIGNALS)
+    blocks = []
+    for piece in drilling(replace(RIG, tolerances={}), 51, 0.4, {
+            'motor_leakage': {'conductance': now * LEAK.typical}}):
+        for first in range(0, 1600, 200):
+            window = Window(0, np.arange(300) / 100, {
+                name: values[first:first + 300] for name, values in piece.items()})
+            block = balances.of(window, 1_000_000_000, 3_000_000_000)
+            blocks += [] if isinstance(block, str) else [block]
+    found = {entry.effect: entry.size for entry in likely(
+        signatures, blocks, Calibration(balances.spread), {})}
+    assert found['motor_leakage'] == pytest.approx(now * LEAK.typical, rel=0.25)
 
 
 @pytest.mark.needs_numba
