@@ -90,8 +90,9 @@ def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float =
 
     It drills as drawn from ``rig`` and is judged by that, or by ``judged``.
     """
-    balances = Balances(judged or rig, SIGNALS)
-    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(rig))
+    judged = judged or rig
+    balances = Balances(judged, SIGNALS)
+    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(judged))
     alarms: list[str] = []
     held: dict[str, np.ndarray] | None = None
     before: tuple[str, ...] = ()

@@ -88,19 +88,19 @@ class Signatures:
         """
         Return what to try: effect, its parameters at typical size, the one that is fitted.
 
+        What gives an adopted effect its shape stays as adopted.
+
         An effect that is a sum of parts, each with a parameter of its own, is tried part by
         part.
         """
         found = []
         for name, effect in self._effects.items():
             first, *others = effect.parameters
-            had = self._adopted.get(name)
-            if had:     # in proportion to its size, as adopted
-                found.append((name, {**had, first.name: first.typical}, first.name))
-                continue
+            had = self._adopted.get(name, {})
             parts = [first] + [entry for entry in others if _alone(effect, entry)]
             for entry in parts:
-                rest = {other.name: other.neutral if other in parts else other.typical
+                rest = {other.name: other.neutral if other in parts
+                        else had.get(other.name, other.typical)
                         for other in effect.parameters if other is not entry}
                 found.append((name, {entry.name: entry.typical, **rest}, entry.name))
         return found
