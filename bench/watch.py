@@ -39,7 +39,7 @@ def unit(rig: Rig, random: np.random.Generator) -> tuple[dict[str, float], dict[
     """Draw a unit: factors by tolerance, and what its sensors are off."""
     accuracy = Accuracy()
     factors = {name: 1.0 + sigma * random.standard_normal()
-               for name, sigma in rig.tolerances.items()}
+               for name, sigma in rig.scatter.items()}
     return factors, {PRESSURE: accuracy.pressure * random.standard_normal(),
                      FLOW: accuracy.flow * random.standard_normal(),
                      TORQUE: accuracy.torque * random.standard_normal()}
@@ -83,11 +83,16 @@ def drilling(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0
         clock += _PIECE
 
 
-def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0
-               ) -> tuple[int, list[str]]:
-    """Return the watched blocks of one unit and what alarmed, each alarm once."""
-    balances = Balances(rig, SIGNALS)
-    watch = Watch(Calibration(balances.spread), Signatures(rig))
+def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0,
+               judged: Rig | None = None) -> tuple[int, list[str]]:
+    """
+    Return the watched blocks of one unit and what alarmed, each alarm once.
+
+    It drills as drawn from ``rig`` and is judged by that, or by ``judged``.
+    """
+    judged = judged or rig
+    balances = Balances(judged, SIGNALS)
+    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(judged))
     alarms: list[str] = []
     held: dict[str, np.ndarray] | None = None
     before: tuple[str, ...] = ()

@@ -35,7 +35,8 @@ class Estimator(DriveNode):
 
     role = 'estimator'
     parameters = (
-        Parameter('rig', '', 'rig file; empty: the shipped test rig', form=YAML_FILE),
+        Parameter('rig', '', "rig file, or a machine's own from commission; empty: the shipped "
+                  'test rig', form=YAML_FILE),
         HARDWARE,
         Parameter('joint', '', 'joint of the topic motor that is the hydromotor; empty: the only '
                   'one there is', form=JOINT),

@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """The watch: closed forms of its parts, quiet on sound units, right on units that change."""
+from dataclasses import replace
 from pathlib import Path
 
 from bench.watch import drilling, SIGNALS, watch_unit
@@ -10,17 +11,19 @@ from hst_drive.measure.online import watch as watching
 from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.characteristic import Characteristic
 from hst_drive.measure.online.drive import Observer
-from hst_drive.measure.online.naming import Signatures
+from hst_drive.measure.online.naming import likely, Signatures
 from hst_drive.measure.online.residuals import Balances, Residual
 from hst_drive.measure.online.stream import Window
 from hst_drive.measure.online.watch import Chart, DRIFT, THRESHOLD, Watch
 from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
+from hst_drive.rig.fingerprint import Fingerprint
 import numpy as np
 import pytest
 
 CASES = Path(__file__).resolve().parents[3] / 'shared' / 'cases'
 RIG = default_rig()
+LEAK = catalogue()['motor_leakage'].parameters[0]
 
 
 def test_learning_is_bayesian_least_squares():
@@ -38,6 +41,15 @@ def test_learning_is_bayesian_least_squares():
     assert learnt.covariance == pytest.approx(np.linalg.inv(precision))
     assert learnt.mean == pytest.approx(np.linalg.solve(
         precision, rows.T @ np.array(values) / deviation**2))
+
+
+def test_a_fingerprint_that_ties_quantities_learns_one_from_the_other():
+    """The mean of a Gaussian pair, one of which is measured exactly, in closed form."""
+    learnt = Calibration({'a': 0.5, 'b': 2.0}, {('a', 'b'): -0.6, ('b', 'a'): -0.6})
+    learnt.learn(Residual(0.3, 1e-9, 0.0, {'a': 1.0}))
+    assert learnt.mean == pytest.approx([0.3, -0.6 * 2.0 / 0.5 * 0.3])
+    assert learnt.covariance[1, 1] == pytest.approx(2.0**2 * (1.0 - 0.6**2))
+    assert learnt.fresh().covariance[0, 1] == pytest.approx(-0.6)
 
 
 def test_what_no_unit_explains_stays_in_the_residual():
@@ -114,6 +126,37 @@ def test_units_within_tolerance_drill_without_alarm(seed):
     """``python -m bench.watch`` does this for hundreds of hours."""
     blocks, alarms = watch_unit(RIG, seed, 20.0)
     assert blocks > 1000 and alarms == []
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('seed', [41, 43])
+def test_a_leak_since_commissioning_that_the_make_swallows_is_alarmed(seed):
+    """Another day of a commissioned machine: quiet when sound, and told what came meanwhile."""
+    own = replace(RIG, fingerprint=Fingerprint({
+        name: 0.12 * sigma for name, sigma in RIG.tolerances.items()}))
+    worn = {'motor_leakage': {'conductance': 0.3 * LEAK.typical}}
+    assert watch_unit(own, seed, 4.0)[1] == []
+    assert watch_unit(own, seed, 4.0, worn, judged=RIG)[1] == []
+    alarms = watch_unit(own, seed, 4.0, worn)[1]
+    assert alarms and all('motor_leakage' in alarm for alarm in alarms)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('now', [1.6, 0.4])
+def test_an_adopted_leak_that_grows_or_shrinks_is_named_with_its_whole_size(now):
+    known = replace(RIG, effects={'motor_leakage': {'conductance': LEAK.typical}})
+    signatures, balances = Signatures(known), Balances(known, SIGNALS)
+    blocks = []
+    for piece in drilling(replace(RIG, tolerances={}), 51, 0.4, {
+            'motor_leakage': {'conductance': now * LEAK.typical}}):
+        for first in range(0, 1600, 200):
+            window = Window(0, np.arange(300) / 100, {
+                name: values[first:first + 300] for name, values in piece.items()})
+            block = balances.of(window, 1_000_000_000, 3_000_000_000)
+            blocks += [] if isinstance(block, str) else [block]
+    found = {entry.effect: entry.size for entry in likely(
+        signatures, blocks, Calibration(balances.spread), {})}
+    assert found['motor_leakage'] == pytest.approx(now * LEAK.typical, rel=0.25)
 
 
 @pytest.mark.needs_numba

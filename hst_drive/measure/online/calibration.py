@@ -12,6 +12,7 @@ every twenty-fifth unit, which is too many for a watch over many drives.)
 from __future__ import annotations
 
 import math
+from types import MappingProxyType
 from typing import Mapping, NamedTuple
 
 from hst_drive.measure.online.residuals import Residual
@@ -40,6 +41,8 @@ class Calibration:
     ----------
     spread : mapping of str to float
         Standard deviation of each before anything is measured.
+    correlation : mapping of (str, str) to float
+        Of pairs of them, each pair in both orders; what is not in it is not correlated.
 
     Attributes
     ----------
@@ -50,12 +53,16 @@ class Calibration:
 
     """
 
-    def __init__(self, spread: Mapping[str, float]):
+    def __init__(self, spread: Mapping[str, float],
+                 correlation: Mapping[tuple[str, str], float] = MappingProxyType({})):
         self.names = tuple(name for name, value in spread.items() if value > 0.0)
         self._index = {name: place for place, name in enumerate(self.names)}
         self.spread = np.array([spread[name] for name in self.names])
         self.mean = np.zeros(len(self.names))
-        self.covariance = np.diag(self.spread**2)
+        self._correlation = correlation
+        self.covariance = np.outer(self.spread, self.spread) * np.array(
+            [[1.0 if one == other else correlation.get((one, other), 0.0)
+              for other in self.names] for one in self.names])
 
     @property
     def beyond(self) -> bool:
@@ -64,7 +71,7 @@ class Calibration:
 
     def fresh(self) -> Calibration:
         """Return what is known before anything is measured."""
-        return Calibration(dict(zip(self.names, self.spread)))
+        return Calibration(dict(zip(self.names, self.spread)), self._correlation)
 
     def copy(self) -> Calibration:
         """Return a copy that later blocks do not change."""

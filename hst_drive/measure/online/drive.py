@@ -100,7 +100,8 @@ class Observer:
 
     def _restart(self) -> None:
         """Begin anew: nothing is known."""
-        self.watch = Watch(Calibration(self.balances.spread), self.signatures)
+        self.watch = Watch(Calibration(
+            self.balances.spread, self.balances.correlation), self.signatures)
         self.characteristic = Characteristic(self.model, self.settings.accuracy)
         self.origin: int | None = None
         self._next = self._block = 0

@@ -37,7 +37,8 @@ class Likely(NamedTuple):
     """
     An effect that explains what fails: its share of the squared error and its size.
 
-    ``parameter`` is the one that was fitted, ``size`` its value in SI.
+    ``parameter`` is the one that was fitted, ``size`` its value in SI: of an adopted effect as
+    it is now, not by how much it differs from what was adopted.
     """
 
     effect: str
@@ -53,7 +54,7 @@ class Signatures:
     Parameters
     ----------
     rig : Rig
-        Effects that it has adopted are in the model already.
+        Effects that it has adopted are in the model already: they may have grown or shrunk.
 
     Attributes
     ----------
@@ -64,8 +65,8 @@ class Signatures:
 
     def __init__(self, rig: Rig):
         tried = {name: effect for name, effect in catalogue().items()
-                 if name not in rig.effects and effect.searched == 'always'
-                 and not effect.both_ways}
+                 if effect.searched == 'always' and not effect.both_ways}
+        self._adopted = rig.effects
         self.unseen = tuple(name for name, effect in tried.items()
                             if all(slot in _FAST for slot, _ in effect.terms))
         self._effects = {name: effect for name, effect in tried.items()
@@ -87,18 +88,26 @@ class Signatures:
         """
         Return what to try: effect, its parameters at typical size, the one that is fitted.
 
+        What gives an adopted effect its shape stays as adopted.
+
         An effect that is a sum of parts, each with a parameter of its own, is tried part by
         part.
         """
         found = []
         for name, effect in self._effects.items():
             first, *others = effect.parameters
+            had = self._adopted.get(name, {})
             parts = [first] + [entry for entry in others if _alone(effect, entry)]
             for entry in parts:
-                rest = {other.name: other.neutral if other in parts else other.typical
+                rest = {other.name: other.neutral if other in parts
+                        else had.get(other.name, other.typical)
                         for other in effect.parameters if other is not entry}
                 found.append((name, {entry.name: entry.typical, **rest}, entry.name))
         return found
+
+    def adopted(self, name: str, parameter: str) -> float:
+        """Return the value that the rig has adopted, SI."""
+        return self._adopted.get(name, {}).get(parameter, 0.0)
 
     def bounds(self, name: str, parameter: str) -> tuple[float, float]:
         """Return what is plausible for a parameter, SI."""
@@ -162,7 +171,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
         unit = known.unit + absorb @ (error - along / square * column)
         if np.any(np.abs(unit) > 1.001 * LIMIT * known.spread):
             continue    # explains only together with a unit that nobody would deliver
-        amount = along / square * size[fitted]
+        amount = signatures.adopted(name, fitted) + along / square * size[fitted]
         share = along**2 / square / max(total, 1e-30)
         low, high = signatures.bounds(name, fitted)
         if low <= amount <= high and (name not in best or share > best[name].explains):

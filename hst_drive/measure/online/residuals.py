@@ -93,7 +93,7 @@ def needed(balances: tuple[str, ...]) -> tuple[str, ...]:
 
 def nuisances(rig: Rig, accuracy: Accuracy) -> dict[str, float]:
     """Return what may be off without any physics missing: name to standard deviation."""
-    return {**rig.tolerances, 'sensor.pressure': accuracy.pressure, 'sensor.flow': accuracy.flow,
+    return {**rig.scatter, 'sensor.pressure': accuracy.pressure, 'sensor.flow': accuracy.flow,
             'sensor.torque': accuracy.torque}
 
 
@@ -116,6 +116,7 @@ class Balances:
         self.rig, self.model = rig, PartModel(rig)
         self.names = closed(rig, signals)
         self.spread = nuisances(rig, accuracy)
+        self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
         self._creeping = max(_CREEPING * rig.full_speed, _SCATTER * self._noise.get(SPEED, 0.0))
 
