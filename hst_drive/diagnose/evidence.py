@@ -26,7 +26,7 @@ _UNLISTED = 0.1     # prior odds of something unlisted against one listed effect
 _CORRELATED = 0.05  # an autocorrelation below this is noise of its estimate
 # Power of the evidence: blocks are alike from one to the next (correlation 0.4 to 0.8) and signals
 # see the same error, so that a nat counted is a tenth of one (see bench/README.md).
-SHARPNESS = 0.1
+_SHARPNESS = 0.1
 # Odds that the tests over held-out blocks are right: 141 of 144 seeds of test/truth are, of the
 # frozen campaigns, where much lies near the noise, about half.
 _DECIDED = 5.0
@@ -88,16 +88,19 @@ def independent(errors: np.ndarray, most: float) -> float:
     errors : ndarray, shape (n,)
         Evenly sampled.
     most : float
-        Not more than these: what two samples at once tell of a record that is slow by nature.
+        Not more than these.
 
     """
-    centred = np.clip(errors - np.median(errors), *np.percentile(errors, (0.5, 99.5)))
-    count = len(centred)
-    if count < 3 or not centred.any():
+    count = len(errors)
+    if count < 3 or not np.ptp(errors):
         return min(float(count), most)
-    spectrum = np.fft.rfft(centred - centred.mean(), 2 * count)
+    # A single peak would hide how the rest goes on.
+    clipped = np.clip(errors, *np.percentile(errors, (0.5, 99.5)))
+    spectrum = np.fft.rfft(clipped - clipped.mean(), 2 * count)
     lagged = np.fft.irfft(np.abs(spectrum)**2)[:count // 2]
-    lagged = lagged / lagged[0] if lagged[0] > 0 else np.eye(1, len(lagged))[0]
+    if lagged[0] <= 0.0:
+        return min(float(count), most)
+    lagged /= lagged[0]
     below = np.flatnonzero(lagged < _CORRELATED)
     memory = 1.0 + 2.0 * float(lagged[1:below[0] if len(below) else len(lagged)].sum())
     return min(count / memory, most)
@@ -141,7 +144,7 @@ def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
 
 
 def probability(explanations: Sequence[Explanation], samples: Mapping[str, float],
-                candidates: int, sharpness: float = SHARPNESS) -> Probability:
+                candidates: int, sharpness: float = _SHARPNESS) -> Probability:
     """
     Return how probable explanations are.
 
@@ -209,7 +212,7 @@ def _smoothed(entry: Explanation, samples: Mapping[str, float]) -> float:
         # Of all blocks but the worst: single events are no smooth function.
         square = float(np.sort(signal.squares)[:max(round((1 - _EVENTS) * len(signal.squares)),
                                                     1)].mean())
-        rest = min(signal.clean / square, 1.0)
+        rest = signal.clean / max(square, signal.clean)
         quiet[name] = signal._replace(squares=rest * signal.squares)
         power += samples[name] * float((signal.squares - quiet[name].squares).sum())
     return _evidence(entry._replace(signals=quiet), samples) - price(_FREEDOM, power)

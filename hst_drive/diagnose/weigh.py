@@ -91,8 +91,7 @@ def _independent(campaign: Campaign, base: Fit, lead: Fit,
 def _penalty(campaign: Campaign, fitted: Fit, share: float) -> float:
     unknowns = Unknowns(campaign, fitted.model)
     known = {name: place for place, name in enumerate(unknowns.names)}
-    place = [known[name] for name in fitted.names if name in known]
-    kept = [name in known for name in fitted.names]
-    jacobian = fitted.jacobian[:, kept]
-    return laplace(share * jacobian.T @ jacobian, np.array(place, dtype=int) < unknowns.factors,
+    place = np.array([known[name] for name in fitted.names], dtype=int)
+    jacobian = fitted.jacobian
+    return laplace(share * jacobian.T @ jacobian, place < unknowns.factors,
                    (unknowns.high - unknowns.low)[place], unknowns.pack(fitted.model)[place])
