@@ -25,10 +25,10 @@ _EVENTS = 0.07      # share of the blocks that single events may spoil (``campai
 _UNLISTED = 0.1     # prior odds of something unlisted against one listed effect or none
 _CORRELATED = 0.05  # an autocorrelation below this is noise of its estimate
 # Power of the evidence: blocks are alike from one to the next (correlation 0.4 to 0.8) and signals
-# see the same error, so that a nat counted is a tenth of one (see bench/README.md).
+# see the same error. Chosen on four frozen campaigns; not calibrated (bench/README.md).
 _SHARPNESS = 0.1
-# Odds that the tests over held-out blocks are right: 141 of 144 seeds of test/truth are, of the
-# frozen campaigns, where much lies near the noise, about half.
+# Odds that the tests over held-out blocks are right: of the frozen campaigns 6 of 7 (bench/README),
+# rounded down.
 _DECIDED = 5.0
 
 
