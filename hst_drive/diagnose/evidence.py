@@ -27,8 +27,8 @@ _CORRELATED = 0.05  # an autocorrelation below this is noise of its estimate
 # Power of the evidence: blocks are alike from one to the next (correlation 0.4 to 0.8) and signals
 # see the same error. Chosen on four frozen campaigns; not calibrated (bench/README.md).
 _SHARPNESS = 0.1
-# Odds that the tests over held-out blocks are right: of the frozen campaigns 6 of 7 (bench/README),
-# rounded down.
+# Odds that the tests over held-out blocks are right: of seven frozen campaigns six were
+# (bench/README.md), rounded down.
 _DECIDED = 5.0
 
 
