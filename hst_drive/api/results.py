@@ -15,6 +15,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.design import Design as _Design
+    from hst_drive.diagnose.evidence import Probability
     from hst_drive.diagnose.result import Diagnosis as _Diagnosis
     from hst_drive.diagnose.result import Value
     from hst_drive.effects import Effect
@@ -284,6 +285,11 @@ class Diagnosis(Result):
     def effects(self) -> dict[str, dict[str, Value]]:
         """What the model lacks: id to parameters with value, low, high (95 %) and unit, SI."""
         return {entry.id: entry.parameters for entry in self.result.effects}
+
+    @property
+    def probability(self) -> Probability:
+        """Of each set of effects, of none and of something unlisted; all add up to 1."""
+        return self.result.probability
 
     def __str__(self) -> str:
         from hst_drive.report.diagnosis import text

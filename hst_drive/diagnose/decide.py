@@ -27,6 +27,7 @@ from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.strangers import beside, strangers
+from hst_drive.diagnose.weigh import weigh
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -142,7 +143,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
-        calibration=moved, unknown=remaining,
+        calibration=moved, probability=weigh(search, best, rivals, verdict),
+        unknown=remaining,
         next_test=_measure(search, best, limited) if instead else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),

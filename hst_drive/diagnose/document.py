@@ -3,6 +3,7 @@
 """A diagnosis as plain data: what ``diagnose --json`` writes, SI."""
 from __future__ import annotations
 
+from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.result import Diagnosis, SCHEMA, Unknown
 from hst_drive.effects import catalogue
 
@@ -35,9 +36,17 @@ def as_json(result: Diagnosis) -> dict:
                              for name, size in result.smallest.items()},
         'calibration': [entry._asdict() for entry in result.calibration],
         'rivals': result.rivals,
+        'probability': _probability(result.probability),
         'unknown': _unknown(unknown) if unknown else None,
         'next_test': result.next_test._asdict() if result.next_test else None,
     }
+
+
+def _probability(found: Probability) -> dict:
+    return {'none': found.none, 'unknown': found.unknown,
+            'sets': [{'effects': list(names), 'probability': share}
+                     for names, share in found.sets],
+            'effects': found.effects}
 
 
 def _unknown(unknown: Unknown) -> dict:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from hst_drive.diagnose.conditions import Outside
+from hst_drive.diagnose.evidence import Probability
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.errors import InputError
 
@@ -161,6 +162,8 @@ class Diagnosis:
         The size of each other effect (first parameter, SI) that these logs would have shown.
     calibration : tuple of Calibrated
         How this unit is off its datasheet.
+    probability : Probability
+        Of each set of effects, of none and of something unlisted.
     unknown, next_test
         See there; None if there is nothing to say.
     rivals : dict of str to str
@@ -184,6 +187,7 @@ class Diagnosis:
     not_observable: dict[str, str]
     smallest: dict[str, float]
     calibration: tuple[Calibrated, ...]
+    probability: Probability
     unknown: Unknown | None = None
     next_test: NextTest | None = None
     rivals: dict[str, str] = field(default_factory=dict)

@@ -214,6 +214,10 @@ class Search:
                 break
         return candidate
 
+    def tried(self) -> list[Candidate]:
+        """Return every set that was fitted, the empty one among them."""
+        return list(self._known.values())
+
     def single(self, name: str) -> Candidate:
         """Return the fit with one effect alone."""
         return self.try_all([((name,), self.base.model)], 'fitting effects')[0]

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Mapping, Sequence
 
 from hst_drive.diagnose.conditions import Outside
+from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.judge import CLEAN_FITTED
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
@@ -94,6 +95,15 @@ def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> st
         f'the model lacks {names}'
     return (f'Either this unit is as far off {unit} ({listed(limited)}), or {cause}, which is far '
             'likelier by these tolerances: both explain these logs down to the noise.')
+
+
+def odds(found: Probability) -> str:
+    """Tell how probable explanations are, the most probable first, those below 1 % left out."""
+    shares = [(' + '.join(names), share) for names, share in found.sets]
+    shares += [('none', found.none), ('unknown', found.unknown)]
+    return ', '.join(f'{what} {share:.2f}' if share < 0.995 else f'{what} above 0.99'
+                     for what, share in sorted(shares, key=lambda item: -item[1])
+                     if share >= 0.01)
 
 
 def listed(names: Sequence[str]) -> str:

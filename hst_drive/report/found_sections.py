@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import re
 
+from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.result import not_known
+from hst_drive.diagnose.sentence import odds
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.measure.run import CHANNELS
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
@@ -45,6 +47,10 @@ def _title(name: str) -> str:
 def found_section(diagnosis: dict) -> Markup:
     """Return the effects that are missing, the unknown, and the test that tells more."""
     parts: list[object] = [effect_card(entry) for entry in diagnosis['effects']]
+    if given := diagnosis.get('probability'):
+        found = Probability(given['none'], given['unknown'], tuple(
+            (tuple(entry['effects']), entry['probability']) for entry in given['sets']))
+        parts.insert(0, element('p', f'Probability: {odds(found)}.', class_='probability'))
     if diagnosis.get('unknown'):
         parts.append(_unknown(diagnosis['unknown']))
     if diagnosis.get('next_test'):
@@ -52,7 +58,7 @@ def found_section(diagnosis: dict) -> Markup:
         parts.append(element(
             'div', element('h3', f'To tell {", ".join(test["separates"])} apart'),
             element('p', test['what']), class_='card next'))
-    if not parts:
+    if not diagnosis['effects'] and not diagnosis.get('unknown'):
         parts.append(element('p', 'The model as it stands, calibrated within the datasheet’s '
                              'tolerances, explains these logs down to the noise.'))
     return section('missing', 'What is missing', *parts)

@@ -78,6 +78,21 @@ def test_json_is_that_of_the_contract(content):
         noise_ratios(content[part]['after'])
         assert content[part]['before'].keys() == content[part]['after'].keys()
     assert set(content['not_observable']) <= ids
+    given = content['probability']
+    shares = [given['none'], given['unknown'], *(each['probability'] for each in given['sets'])]
+    assert all(0.0 <= share <= 1.0 for share in shares)
+    assert sum(shares) == pytest.approx(1.0, abs=1e-9)
+    assert given['effects'].keys() <= ids
+    for name, share in given['effects'].items():
+        assert share == pytest.approx(sum(each['probability'] for each in given['sets']
+                                          if name in each['effects']))
+
+
+def test_the_probability_goes_with_the_verdict(content, diagnosed):
+    """The effect that was hidden is the most probable explanation, and the text tells it."""
+    assert max(content['probability']['effects'].items(), key=lambda item: item[1])[0] == HIDDEN
+    assert content['probability']['effects'][HIDDEN] > 0.5
+    assert f'probability: {HIDDEN} ' in diagnosed[0]
     assert content['unknown'] is None or {'enters', 'signal', 'depends_on', 'expression'} <= set(
         content['unknown'])
     assert content['next_test'] is None or {'separates', 'what'} <= set(content['next_test'])

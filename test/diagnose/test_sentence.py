@@ -1,7 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How numbers of a diagnosis are told."""
-from hst_drive.diagnose.sentence import limits, times
+from hst_drive.diagnose.evidence import Probability
+from hst_drive.diagnose.sentence import limits, odds, times
 import pytest
 
 
@@ -20,3 +21,9 @@ def test_limits_are_told_in_one_sentence(verdict, quantities, told):
 
 def test_a_fall_near_the_noise_is_not_rounded_away():
     assert (times(1.04), times(1.0), times(15.82)) == ('1.04', '1.00', '15.8')
+
+
+def test_probabilities_are_told_the_highest_first_and_crumbs_left_out():
+    found = Probability(0.004, 0.3, ((('leak',), 0.6), (('drag', 'leak'), 0.096)))
+    assert odds(found) == 'leak 0.60, unknown 0.30, drag + leak 0.10'
+    assert odds(Probability(0.999, 0.001, ())) == 'none above 0.99'

@@ -38,6 +38,8 @@ def made_up_diagnosis(logs=()):
         'calibration': [{'quantity': 'motor.leakage', 'factor': 1.02, 'sigmas': 0.3,
                          'at_limit': False}],
         'rivals': {'pump_leakage': 'leaves hydromotor inlet flow at 2.0 times the noise'},
+        'probability': {'none': 0.001, 'unknown': 0.069, 'effects': {},
+                        'sets': [{'effects': ['motor_leakage'], 'probability': 0.93}]},
         'not_observable': ['case'], 'not_observable_because': {'case': 'needs a channel'},
         'smallest_visible': {'line_loss': {'value': 1e7, 'unit': 'Pa.s/m^3'}},
         'unknown': None,
@@ -109,7 +111,8 @@ def test_it_says_what_was_found(made):
     for expected in ('The model lacks motor_leakage.', 'ambiguous', 'elastic_leakage',
                      'W. E. Wilson', '0.005400 to 0.006600', 'L/min/bar', 'pump_leakage',
                      'hold 90 bar', 'motor.leakage', '1.0200', default_rig().digest,
-                     'It removes 97 %', 'line_loss', 'needs a channel'):
+                     'It removes 97 %', 'line_loss', 'needs a channel',
+                     'Probability: motor_leakage 0.93, unknown 0.07.'):
         assert expected in words, expected
 
 
