@@ -1,0 +1,43 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Sphinx configuration of the documentation, for ``./dev docs`` and for rosdoc2.
+
+Nothing here needs a network. rosdoc2 runs this text from a copy of the folder.
+"""
+from pathlib import Path
+import sys
+
+_HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(_HERE / '_ext'))
+if (_HERE.parent / 'hst_drive' / '__init__.py').is_file():
+    sys.path.insert(0, str(_HERE.parent))
+
+import hst_drive  # noqa: E402, I100
+
+project = 'hst_drive'
+author = 'hst_drive contributors'
+copyright = '2026, hst_drive contributors. Licence: Apache-2.0'  # noqa: A001
+release = version = hst_drive.__version__
+
+extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.mathjax', 'sphinx.ext.napoleon',
+              'sphinx_rtd_theme', 'declared']
+exclude_patterns = ['_build', '_ext']
+source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
+root_doc = 'index'
+nitpicky = False
+
+myst_enable_extensions = ['deflist', 'dollarmath']
+myst_heading_anchors = 3
+myst_links_external_new_tab = False
+# Files beside the pages (rig files, scenarios) are links to the source, not to a page.
+suppress_warnings = ['myst.xref_missing_file']
+autodoc_typehints = 'none'
+autodoc_member_order = 'bysource'
+
+html_theme = 'sphinx_rtd_theme'
+html_theme_options = {'collapse_navigation': False, 'navigation_depth': 2}
+html_title = f'hst_drive {release}'
+html_static_path = ['_static']
+html_css_files = ['site.css']
+html_show_sourcelink = False
