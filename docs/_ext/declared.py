@@ -15,6 +15,7 @@ import re
 
 from hst_drive.cli import verbs
 from hst_drive.effects import catalogue, SLOTS
+from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
 from hst_drive.units import for_people, UNITS
@@ -161,6 +162,18 @@ def of_channels():
         for entry in CHANNELS.values()))
 
 
+def of_balances():
+    """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
+    return table(('balance', 'predicts', 'from', 'the rig file has', 'not used beside'), (
+        (entry.name, _either(entry.predicts), ' and '.join(map(_either, entry.needs)),
+         ', '.join(f'`{key}`' for key in entry.rig), ', '.join(f'`{key}`' for key in entry.without))
+        for entry in BALANCES))
+
+
+def _either(names):
+    return ' or '.join(f'`{name}`' for name in names)
+
+
 def of_units():
     """Every unit that a header may have, by what it measures."""
     groups = {}
@@ -170,6 +183,11 @@ def of_units():
     return table(('SI', 'also'), ((f'`{si}`', ', '.join(names)) for si, names in groups.items()))
 
 
+def of_picture(identity):
+    """Return the picture of one effect's tell-tale."""
+    return telltale.figure(catalogue()[identity])
+
+
 def of_file(name):
     """Return a page of the source that lies outside of this folder, without its links there."""
     text = (TOP / name).read_text(encoding='utf-8')
@@ -177,4 +195,4 @@ def of_file(name):
 
 
 PARTS = {'verbs': of_verbs, 'effects': of_effects, 'rig': of_rig, 'channels': of_channels,
-         'units': of_units, 'file': of_file}
+         'balances': of_balances, 'units': of_units, 'picture': of_picture, 'file': of_file}
