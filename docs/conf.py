@@ -20,18 +20,16 @@ author = 'hst_drive contributors'
 copyright = '2026, hst_drive contributors. Licence: Apache-2.0'  # noqa: A001
 release = version = hst_drive.__version__
 
-extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.mathjax', 'sphinx.ext.napoleon',
-              'sphinx_rtd_theme', 'declared']
+extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon', 'sphinx_rtd_theme',
+              'declared']
+html_math_renderer = 'mathml'
 exclude_patterns = ['_build', '_ext']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 root_doc = 'index'
-nitpicky = False
+smartquotes = False      # '--rig' is an option, not a dash
 
 myst_enable_extensions = ['deflist', 'dollarmath']
 myst_heading_anchors = 3
-myst_links_external_new_tab = False
-# Files beside the pages (rig files, scenarios) are links to the source, not to a page.
-suppress_warnings = ['myst.xref_missing_file']
 autodoc_typehints = 'none'
 autodoc_member_order = 'bysource'
 
@@ -41,3 +39,4 @@ html_title = f'hst_drive {release}'
 html_static_path = ['_static']
 html_css_files = ['site.css']
 html_show_sourcelink = False
+html_use_index = False

@@ -13,6 +13,8 @@ import inspect
 from pathlib import Path
 import re
 
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 from hst_drive.cli import verbs
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.measure.balances import BALANCES
@@ -30,9 +32,26 @@ _BALANCES = dict.fromkeys(slot.enters for slot in SLOTS.values())
 def setup(app):
     """Let Sphinx ask for what is declared."""
     app.add_config_value('telltale_pictures', True, 'html', bool)
+    app.add_html_math_renderer('mathml', (_inline, None), (_equation, None))
     app.connect('source-read', _fill)
     app.connect('build-finished', _draw)
     return {'parallel_read_safe': True}
+
+
+def _inline(writer, node):
+    writer.body.append(_mathml(node))
+    raise nodes.SkipNode
+
+
+def _equation(writer, node):
+    formula = _mathml(node).replace('<math ', '<math display="block" ', 1)
+    writer.body.append(f'<div class="math">{formula}</div>')
+    raise nodes.SkipNode
+
+
+def _mathml(node):
+    """Return a formula that needs no script, no network and no font with italic symbols."""
+    return tex2mathml(node.astext()).replace('<mi>', '<mi mathvariant="normal">')
 
 
 def _fill(app, page, source):

@@ -4,14 +4,15 @@
 A picture of each effect's tell-tale: the same commands, with the effect and without.
 
 The model runs the shipped scenario 'commissioning' twice. On the left stands the signal that the
-effect moves most, in the ten seconds where it moves most; on the right how far it moves over the
-quantity that explains most of that.
+effect moves most, in the ten seconds where it moves most; on the right how far it moves over a quantity
+that the equation reads: the one that explains most of it.
 """
 from functools import lru_cache
 from html import escape
 
 import hst_drive as hd
 from hst_drive.effects import catalogue
+from hst_drive.effects.base import arguments
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
@@ -22,14 +23,19 @@ FOLDER = '_images/telltales'
 _START = 6.0            # s: a start from rest is judged by nobody
 _WINDOW = 10.0          # s shown on the left
 _BINS = 20              # of a variable, to see how much of the difference it explains
-_OVER = ('pump_outlet_pressure', 'motor_speed', 'pump_command', 'oil_temperature', 'load_torque')
+# What an equation may read, and the signal that shows it.
+_OVER = {'pressure': 'pump_outlet_pressure', 'pump_pressure': 'pump_outlet_pressure',
+         'motor_speed': 'motor_speed', 'pump_command': 'pump_command',
+         'displacement': 'pump_command', 'oil_temperature': 'oil_temperature',
+         'viscosity_ratio': 'oil_temperature', 'load_torque': 'load_torque',
+         'flow': 'motor_inlet_flow'}
 
 
 def figure(effect):
     """Return the picture of an effect for a page, in HTML."""
     told = (f'The same commands with {effect.id} at its typical size and without it: the signal '
             'that moves most, and the difference')
-    return (f'<figure class="telltale"><img src="{FOLDER}/{effect.id}.svg" alt="{escape(told)}" '
+    return (f'<figure class="telltale"><img src="{FOLDER}/{effect.id}.png" alt="{escape(told)}" '
             'loading="lazy"></figure>')
 
 
@@ -68,7 +74,10 @@ def shown(identity):
                  / noise[name] + abs(np.mean((within[name] - without[name])[judged]))
                  / noise[name])
     moved = within[signal] - without[signal]
-    over = max(_OVER, key=lambda name: _explained(without[name][judged], moved[judged]))
+    read = {_OVER[name] for _, function in catalogue()[identity].terms
+            for name in arguments(function) if name in _OVER}
+    over = max(sorted(read or _OVER.values()),
+               key=lambda name: _explained(without[name][judged], moved[judged]))
     return time, signal, within[signal], without[signal], over, without[over]
 
 
@@ -116,4 +125,4 @@ def draw_all(folder):
     """Draw the tell-tale of each effect of the catalogue."""
     folder.mkdir(parents=True, exist_ok=True)
     for identity in catalogue():
-        draw(identity, folder / f'{identity}.svg')
+        draw(identity, folder / f'{identity}.png')
