@@ -12,7 +12,8 @@ from hst_drive.effects import catalogue
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
-from test.browser import chromium, Watched
+
+from .browser import chromium, Watched
 
 for needed in ('sphinx', 'myst_parser', 'sphinx_rtd_theme'):
     pytest.importorskip(needed)

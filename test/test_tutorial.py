@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The tutorial's commands, run as they stand, on a shorter drill; the JSON that the docs tell of."""
+"""The tutorial's commands, run as they stand; the JSON of which the documentation tells."""
 import json
 from pathlib import Path
 import shlex

@@ -115,7 +115,7 @@ def of_effects():
                   f'{effect.title[0].upper()}{effect.title[1:]}.', f'    {effect.equation}',
                   f'**Tell-tale.** {effect.telltale}', telltale.figure(effect),
                   f'**Enters** the {effect.enters}: {enters}.',
-                  f'**Shows in** {", ".join(f"`{name}`" for name in effect.shows_in) or "any"}.',
+                  f'**Shows in** {_either(effect.shows_in)}.',
                   table(('parameter', 'low', 'high', 'typical', 'unit', 'is'), parameters),
                   f'**Source.** {effect.source}']
     return '\n\n'.join(lines)
@@ -144,7 +144,7 @@ def of_rig():
     return '\n\n'.join([
         *lines, '### sensors', table(('channel', 'keys', 'unit'), sensors),
         '### tolerances_1_sigma_relative',
-        ', '.join(f'`{name}`' for name in TOLERANCES) + '.'])
+        _either(TOLERANCES, ', ') + '.'])
 
 
 def _key(entry):
@@ -153,7 +153,7 @@ def _key(entry):
     if isinstance(entry, Table):
         axes = ' and '.join(f'`{key}`' for key, _ in entry.axes)
         other = (', or one number, or the coefficients '
-                 + ', '.join(f'`{name}`' for name in entry.coefficients)
+                 + _either(entry.coefficients, ', ')
                  if entry.coefficients else '')
         return (f'table over {axes}; values `{entry.value}`, {_unit(entry.unit)}'
                 + ('; rising' if entry.rising else '') + other,
@@ -185,12 +185,11 @@ def of_balances():
     """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
     return table(('balance', 'predicts', 'from', 'the rig file has', 'not used beside'), (
         (entry.name, _either(entry.predicts), ' and '.join(map(_either, entry.needs)),
-         ', '.join(f'`{key}`' for key in entry.rig), ', '.join(f'`{key}`' for key in entry.without))
-        for entry in BALANCES))
+         _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES))
 
 
-def _either(names):
-    return ' or '.join(f'`{name}`' for name in names)
+def _either(names, between=' or '):
+    return between.join(f'`{name}`' for name in names)
 
 
 def of_units():

@@ -4,8 +4,8 @@
 A picture of each effect's tell-tale: the same commands, with the effect and without.
 
 The model runs the shipped scenario 'commissioning' twice. On the left stands the signal that the
-effect moves most, in the ten seconds where it moves most; on the right how far it moves over a quantity
-that the equation reads: the one that explains most of it.
+effect moves most, in the ten seconds where it moves most. On the right it stands by how much, over
+a quantity that the equation reads: the one that explains most of it.
 """
 from functools import lru_cache
 from html import escape
