@@ -13,15 +13,16 @@ sys.path.insert(0, str(_HERE / '_ext'))
 if (_HERE.parent / 'hst_drive' / '__init__.py').is_file():
     sys.path.insert(0, str(_HERE.parent))
 
-import hst_drive  # noqa: E402, I100
+# rosdoc2 takes known extensions only, but it calls a 'setup' of this file.
+from declared import setup  # noqa: E402, F401, I100
+import hst_drive  # noqa: E402
 
 project = 'hst_drive'
 author = 'hst_drive contributors'
 copyright = '2026, hst_drive contributors. Licence: Apache-2.0'  # noqa: A001
 release = version = hst_drive.__version__
 
-extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon', 'sphinx_rtd_theme',
-              'declared']
+extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.napoleon', 'sphinx_rtd_theme']
 html_math_renderer = 'mathml'
 exclude_patterns = ['_build', '_ext']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}

@@ -18,7 +18,7 @@ from .browser import chromium, Watched
 for needed in ('sphinx', 'myst_parser', 'sphinx_rtd_theme'):
     pytest.importorskip(needed)
 DOCS = Path(__file__).resolve().parents[1] / 'docs'
-PAGES = sorted(path.stem for path in DOCS.glob('*.md'))
+PAGES = sorted(path.stem for path in (*DOCS.glob('*.md'), *DOCS.glob('*.rst')))
 WIDTHS = (1280, 390)
 
 
