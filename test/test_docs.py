@@ -1,20 +1,25 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Documents name what is there: files behind links, verbs and their arguments."""
+"""Documents name what is there: files behind links, verbs, keys."""
 import argparse
 from importlib import import_module
 from pathlib import Path
 import re
 import shlex
 
+from hst_drive.bag.channels import parse_channel_map
 from hst_drive.cli import verbs
+from hst_drive.rig import default_rig_file
+from hst_drive.rig.load import parse_rig
 import pytest
+import yaml
 
 TOP = Path(__file__).resolve().parents[1]
 PAGES = sorted([*TOP.glob('*.md'), *TOP.glob('docs/*.md'), *TOP.glob('bench/*.md')])
 NOT_VERBS = {'docs', 'exec', 'lint', 'test'}      # of ./dev itself
 # The brackets of what may be left out, which stand alone; those of a unit follow a number.
 OPTIONAL = re.compile(r'(?<![\w.])\[([^\[\]]*)\]')
+YAML = re.compile(r'```yaml\n(.*?)```', re.DOTALL)
 CALL = re.compile(r'^ +(?:\./dev|hst-drive|ros2 hst) +([a-z][a-z-]*)(.*)$', re.MULTILINE)
 
 
@@ -40,3 +45,15 @@ def test_calls_are_of_verbs_and_would_be_understood(page):
             parser.parse_args(words)
         except (argparse.ArgumentError, SystemExit) as problem:
             raise AssertionError(f'{verb} {rest}: {problem}') from problem
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_yaml_is_understood(page):
+    """A channel map as such; what is not one as a rig, a few sections in the place of its own."""
+    shipped = yaml.safe_load(default_rig_file().read_text(encoding='utf-8'))
+    for block in YAML.findall(page.read_text(encoding='utf-8')):
+        content = yaml.safe_load(block)
+        if 'channels' in content:
+            parse_channel_map(content, page.name)
+        else:
+            parse_rig(content if 'name' in content else shipped | content, page.name)

@@ -60,6 +60,7 @@ def keys(document, named=False):
     return set()
 
 
+@pytest.mark.needs_numba
 def test_the_page_of_the_json_has_all_keys():
     page = (DOCS / 'json.md').read_text(encoding='utf-8')
     compared = hd.compare(hd.simulate('paper_step').between(0.0, 20.0)).to_json()

@@ -16,7 +16,7 @@ import re
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from hst_drive.cli import verbs
-from hst_drive.effects import catalogue, SLOTS
+from hst_drive.effects import catalogue, READABLE, SLOTS
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
@@ -131,6 +131,15 @@ def _sizes(entry):
     return (*(f'{value:.3g}' for value, _ in sizes), sizes[0][1])
 
 
+def of_slots():
+    """Every place where an effect may enter, and what an effect may read."""
+    return '\n\n'.join([
+        table(('slot', 'balance', 'the value is', 'unit'), (
+            (f'`{name}`', slot.enters, slot.meaning, slot.unit) for name, slot in SLOTS.items())),
+        '### Names that a function may read',
+        table(('name', 'unit'), ((f'`{name}`', unit) for name, unit in READABLE.items()))])
+
+
 def of_rig():
     """Every key of a rig file: unit, range, and whether it may be left out."""
     lines = []
@@ -212,5 +221,5 @@ def of_file(name):
     return re.sub(r'\[([^\]]+)\]\((?!https?:)[^)]+\)', r'\1', text)
 
 
-PARTS = {'verbs': of_verbs, 'effects': of_effects, 'rig': of_rig, 'channels': of_channels,
+PARTS = {'verbs': of_verbs, 'effects': of_effects, 'rig': of_rig, 'slots': of_slots, 'channels': of_channels,
          'balances': of_balances, 'units': of_units, 'picture': of_picture, 'file': of_file}
