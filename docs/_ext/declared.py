@@ -221,5 +221,6 @@ def of_file(name):
     return re.sub(r'\[([^\]]+)\]\((?!https?:)[^)]+\)', r'\1', text)
 
 
-PARTS = {'verbs': of_verbs, 'effects': of_effects, 'rig': of_rig, 'slots': of_slots, 'channels': of_channels,
-         'balances': of_balances, 'units': of_units, 'picture': of_picture, 'file': of_file}
+PARTS = {'verbs': of_verbs, 'effects': of_effects, 'slots': of_slots, 'rig': of_rig,
+         'channels': of_channels, 'balances': of_balances, 'units': of_units,
+         'picture': of_picture, 'file': of_file}
