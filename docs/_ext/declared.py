@@ -17,6 +17,7 @@ from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from hst_drive.cli import verbs
 from hst_drive.effects import catalogue, READABLE, SLOTS
+from hst_drive.errors import InputError
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
@@ -65,7 +66,7 @@ def _draw(app, problem):
         return
     try:
         telltale.draw_all(Path(app.outdir) / telltale.FOLDER)
-    except ImportError as missing:
+    except InputError as missing:
         logging.getLogger(__name__).warning('no pictures of the tell-tales: %s', missing)
 
 
