@@ -3,6 +3,7 @@
 """The tutorial's commands, run as they stand; the JSON of which the documentation tells."""
 import json
 from pathlib import Path
+import re
 import shlex
 
 import hst_drive as hd
@@ -75,3 +76,10 @@ def test_the_page_of_the_json_has_all_keys():
     assert diagnosed['schema'] in page and compared['schema'] in page
     missing = {key for key in keys(compared) | keys(diagnosed) if f'`{key}`' not in page}
     assert not missing
+
+
+def test_the_page_of_the_json_names_all_documents():
+    page = (DOCS / 'json.md').read_text(encoding='utf-8')
+    said = {schema for path in (DOCS.parent / 'hst_drive').rglob('*.py')
+            for schema in re.findall(r"'(hst_drive/\w+/\d+)'", path.read_text(encoding='utf-8'))}
+    assert len(said) > 5 and said <= set(re.findall(r'hst_drive/\w+/\d+', page))
