@@ -58,11 +58,12 @@ setup(
     install_requires=['setuptools', 'numpy>=1.26', 'scipy>=1.11', 'pyyaml>=6.0', 'mcap>=1.5'],
     extras_require={
         'cluster': ['distributed>=2024.1'],
+        'docs': ['matplotlib>=3.6', 'myst-parser>=3', 'sphinx>=7.2', 'sphinx-rtd-theme>=2'],
         'fast': ['numba>=0.59'],
         'pandas': ['pandas>=2.1'],
         'plot': ['matplotlib>=3.6'],
-        'test': ['fmpy', 'hypothesis', 'mypy', 'pandas', 'pint', 'playwright', 'pytest',
-                 'rosbags'],
+        'test': ['fmpy', 'hypothesis', 'mypy', 'myst-parser', 'pandas', 'pint', 'playwright',
+                 'pytest', 'rosbags', 'sphinx', 'sphinx-rtd-theme'],
     },
     zip_safe=True,
     entry_points={

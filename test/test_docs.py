@@ -1,17 +1,25 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Documents name what is there: files behind links, verbs, options of verbs."""
+"""Documents name what is there: files behind links, verbs, keys."""
 import argparse
 from importlib import import_module
 from pathlib import Path
 import re
+import shlex
 
+from hst_drive.bag.channels import parse_channel_map
 from hst_drive.cli import verbs
+from hst_drive.rig import default_rig_file
+from hst_drive.rig.load import parse_rig
 import pytest
+import yaml
 
 TOP = Path(__file__).resolve().parents[1]
 PAGES = sorted([*TOP.glob('*.md'), *TOP.glob('docs/*.md'), *TOP.glob('bench/*.md')])
-NOT_VERBS = {'test', 'exec'}      # of ./dev itself
+NOT_VERBS = {'docs', 'exec', 'lint', 'test'}      # of ./dev itself
+# The brackets of what may be left out, which stand alone; those of a unit follow a number.
+OPTIONAL = re.compile(r'(?<![\w.])\[([^\[\]]*)\]')
+YAML = re.compile(r'```yaml\n(.*?)```', re.DOTALL)
 CALL = re.compile(r'^ +(?:\./dev|hst-drive|ros2 hst) +([a-z][a-z-]*)(.*)$', re.MULTILINE)
 
 
@@ -23,13 +31,29 @@ def test_links_lead_somewhere(page):
 
 
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
-def test_calls_are_of_verbs_and_their_options(page):
+def test_calls_are_of_verbs_and_would_be_understood(page):
+    """What stands in brackets may be left out; here it is not."""
     for verb, rest in CALL.findall(page.read_text(encoding='utf-8')):
         if verb in NOT_VERBS:
             continue
         assert verb in verbs(), verb
-        parser = argparse.ArgumentParser()
+        parser = argparse.ArgumentParser(exit_on_error=False)
         import_module(f'hst_drive.cli.{verb.replace("-", "_")}').add_arguments(parser)
-        known = {name for action in parser._actions for name in action.option_strings}
-        words = rest.partition('  #')[0]
-        assert set(re.findall(r'(?<![\w-])(--?[a-z][a-z-]*)', words)) <= known, words
+        words = [word for word in shlex.split(OPTIONAL.sub(r'\1', rest), comments=True)
+                 if word not in ('...', '\\') and not word.startswith(('>', '|'))]
+        try:
+            parser.parse_args(words)
+        except (argparse.ArgumentError, SystemExit) as problem:
+            raise AssertionError(f'{verb} {rest}: {problem}') from problem
+
+
+@pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
+def test_yaml_is_understood(page):
+    """A channel map as such; what is not one as a rig, a few sections in the place of its own."""
+    shipped = yaml.safe_load(default_rig_file().read_text(encoding='utf-8'))
+    for block in YAML.findall(page.read_text(encoding='utf-8')):
+        content = yaml.safe_load(block)
+        if 'channels' in content:
+            parse_channel_map(content, page.name)
+        else:
+            parse_rig(content if 'name' in content else shipped | content, page.name)

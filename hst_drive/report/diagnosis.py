@@ -11,7 +11,8 @@ from hst_drive.report.terminal import MISSING, size, table
 
 def text(result: Diagnosis, short: bool = False) -> str:
     """Return the diagnosis for a terminal; the short form stops after what was found."""
-    lines = [result.sentence.strip(), '', f'probability: {odds(result.probability)}', '']
+    lines = [result.sentence.strip(), '',
+             f'probability, not calibrated yet: {odds(result.probability)}', '']
     if result.effects:
         lines += [_effects(result), '']
     lines += ['error over the noise floor, held-out data (training data in brackets):',

@@ -50,7 +50,8 @@ def found_section(diagnosis: dict) -> Markup:
     if given := diagnosis.get('probability'):
         found = Probability(given['none'], given['unknown'], tuple(
             (tuple(entry['effects']), entry['probability']) for entry in given['sets']))
-        parts.insert(0, element('p', f'Probability: {odds(found)}.', class_='probability'))
+        parts.insert(0, element('p', f'Probability, not calibrated yet: {odds(found)}.',
+                                class_='probability'))
     if diagnosis.get('unknown'):
         parts.append(_unknown(diagnosis['unknown']))
     if diagnosis.get('next_test'):

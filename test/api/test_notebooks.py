@@ -42,6 +42,7 @@ def test_lines_of_the_readme(tmp_path, monkeypatch, capsys):
     block, = re.findall('```python\n(.*?)```', (TOP / 'README.md').read_text(encoding='utf-8'),
                         re.DOTALL)
     assert len(block.splitlines()) <= 10
+    assert block in (TOP / 'docs' / 'python.md').read_text(encoding='utf-8')
     monkeypatch.chdir(tmp_path)
     log = hd.simulate('commissioning', effects={'motor_leakage': {'conductance': 2e-12}})
     log.between(0.0, 30.0).save('log.csv')

@@ -112,7 +112,7 @@ def test_it_says_what_was_found(made):
                      'W. E. Wilson', '0.005400 to 0.006600', 'L/min/bar', 'pump_leakage',
                      'hold 90 bar', 'motor.leakage', '1.0200', default_rig().digest,
                      'It removes 97 %', 'line_loss', 'needs a channel',
-                     'Probability: motor_leakage 0.93, unknown 0.07.'):
+                     'Probability, not calibrated yet: motor_leakage 0.93, unknown 0.07.'):
         assert expected in words, expected
 
 
