@@ -74,7 +74,7 @@ def test_the_page_of_the_json_has_all_keys():
         calibration=(Calibrated('motor.leakage', 1.0, 0.0, False),),
         unknown=Unknown('flow', 'motor_speed', (), '', (), 0.0), next_test=NextTest((), ''),
         outside=(Outside('motor_speed', 0.0, 1.0, 0.0, 1.0),),
-        probability=Probability(0.0, 0.5, ((('motor_leakage',), 0.5),))))
+        probability=Probability(0.0, 0.5, (((), 0.5),))))
     assert diagnosed['schema'] in page and compared['schema'] in page
     missing = {key for key in keys(compared) | keys(diagnosed) if f'`{key}`' not in page}
     assert not missing
