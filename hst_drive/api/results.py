@@ -107,7 +107,9 @@ class Log(Result):
     def save(self, path: str) -> None:
         """Write it as CSV, in the units of the field."""
         from hst_drive.bag import write_csv
+        from hst_drive.report.files import check_target
 
+        check_target(path)
         write_csv(path, self.run)
 
     def __str__(self) -> str:

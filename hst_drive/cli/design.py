@@ -14,7 +14,7 @@ import argparse
 
 from hst_drive.cli.common import add_rig_argument, read_json, rig_of
 from hst_drive.cli.output import (
-    add_force_argument, add_json_argument, check_target, refuse_to_replace, write_json, write_yaml)
+    add_force_argument, add_json_argument, refuse_to_replace, write_json, write_yaml)
 from hst_drive.errors import InputError
 
 HELP = 'write the test that separates effects which the logs cannot'
@@ -49,7 +49,6 @@ def run(args: argparse.Namespace) -> int:
         raise InputError('DIAGNOSIS.json or --effects: expected at least one of the two')
     if args.output:
         refuse_to_replace(args.output, args.force)
-        check_target(args.output)
     diagnosis = read_json(args.diagnosis) if args.diagnosis is not None else None
     result = next_test(rig_of(args), diagnosis, args.diagnosis, wanted, duration=args.duration,
                        closed_loop=args.closed_loop, progress=progress_line())

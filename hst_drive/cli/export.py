@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from hst_drive.cli.output import (
-    add_force_argument, add_json_argument, check_target, refuse_to_replace, say, write_json)
+    add_force_argument, add_json_argument, refuse_to_replace, say, write_json)
 from hst_drive.errors import InputError
 
 HELP = 'write the drive as an FMU for other simulators'
@@ -49,7 +49,6 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.rig import default_rig, load_rig
 
     refuse_to_replace(args.output, args.force)
-    check_target(args.output)
     drive = Drive(load_rig(args.rig) if args.rig else default_rig())
     try:
         unit = unit_of(drive)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from hst_drive.cli.output import check_target, refuse_to_replace, table, write_yaml
+from hst_drive.cli.output import refuse_to_replace, table, write_yaml
 from hst_drive.errors import InputError
 from hst_drive.losses.export import ends_of, motor_section
 from hst_drive.losses.selection import Duty, select, ZONE
@@ -24,7 +24,6 @@ def check(args: argparse.Namespace, bench: Bench) -> None:
         _duty(args.duty)
     if args.output:
         refuse_to_replace(args.output, args.force)
-        check_target(args.output)
         _size(args, bench)
     elif args.motor is not None or args.rig:
         raise InputError('--motor and --rig say what -o writes; add -o RIG.yaml')

@@ -34,7 +34,8 @@ def add_force_argument(parser: argparse.ArgumentParser, name: str) -> None:
 
 
 def refuse_to_replace(target: str | os.PathLike, force: bool) -> None:
-    """Raise InputError if a file is there; '-', a pipe or a folder is none to replace."""
+    """Raise InputError if a file is there, or none can be written: better told before the work."""
     if Path(target).is_file() and not force:
         raise InputError(f'{target}: exists already; choose another name, or replace it with '
                          '--force')
+    check_target(target)

@@ -10,7 +10,7 @@ place of these tolerances.
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import Any, Callable, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.conditions import conditions
@@ -18,6 +18,8 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.fit import calibrated, Fit
 from hst_drive.diagnose.intervals import clusters, spread
 from hst_drive.diagnose.part import campaign_of
+from hst_drive.effects import catalogue
+from hst_drive.effects.base import arguments
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig
@@ -130,7 +132,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
-    if temperatures and 'leakage_temperature' not in made.effects:
+    if temperatures and not _follow_viscosity(made.effects):
         # What was learnt of the leakages holds for the oil as it was then.
         unit['characterised_at_oil_temperature_degC'] = round(float(from_si(
             np.nanmedian(np.concatenate(temperatures)), 'degC')), 1)
@@ -140,6 +142,13 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         Quantity(key, factors[key], float(sigma), float(tolerance),
                  _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
         for key, sigma, tolerance in zip(names, sigmas, make)), day_to_day, from_logs)
+
+
+def _follow_viscosity(effects: Iterable[str]) -> bool:
+    """Return whether an effect's size is one at the temperature of the rig file's tables."""
+    known = catalogue()
+    return any({'viscosity_ratio', 'characterised_at'} & {*arguments(function)}
+               for effect in effects for _, function in known[effect].terms)
 
 
 def repeatability(campaign: Campaign, fitted: Fit) -> float:

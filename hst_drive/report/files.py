@@ -56,7 +56,7 @@ def write_yaml(data: Mapping, target: str | os.PathLike) -> None:
 
 
 def check_target(target: str | os.PathLike) -> None:
-    """Raise InputError if a file cannot be written: better told before the work than after."""
+    """Raise InputError if a file cannot be written."""
     path = Path(target)
     if os.fspath(target) == '-' or path.exists() and not path.is_dir() and not path.is_file():
         return

@@ -136,6 +136,12 @@ def test_a_rig_is_saved_and_read(tmp_path):
     assert 'motor_leakage.conductance = 0.012 L/min/bar' in str(again)
 
 
+@pytest.mark.parametrize('place', ['.', 'no/log.csv'])
+def test_where_no_log_can_be_saved(log, tmp_path, place):
+    with pytest.raises(hd.InputError, match='cannot be written'):
+        log.save(tmp_path / place)
+
+
 def test_a_command_table_is_played():
     """Steady commands bring the model to its steady state, with the noise of its sensors."""
     time = np.arange(0.0, 20.0, 0.01)

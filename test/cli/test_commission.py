@@ -55,6 +55,9 @@ def test_broken_machines_and_bad_shares_are_refused(files, tmp_path, capsys):
     assert 'broken.csv: cannot be commissioned as healthy' in err and 'pump_leakage' in err
     assert '--day-to-day -1: expected' in refused(
         capsys, files / 'old.csv', '--day-to-day', '-1', '-o', unit)
+    # An output that cannot be is told first: before the logs are judged.
+    assert 'cannot be written' in refused(capsys, files / 'broken.csv', '--rig',
+                                          files / 'make.yaml', '-o', tmp_path / 'no' / 'unit.yaml')
 
 
 def test_since_is_commission_and_diagnose_in_one_step(files, tmp_path, capsys):

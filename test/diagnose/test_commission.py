@@ -57,6 +57,15 @@ def test_a_fingerprint_is_the_posterior_of_the_factors():
     assert made.rig['characterised_at_oil_temperature_degC'] == 40.0
 
 
+@pytest.mark.parametrize('effects, celsius', [
+    ({}, 60.0), ({'bearing_friction': {'coulomb': 5.0}}, 60.0),
+    ({'viscous_drag': {'coefficient': 0.5}}, 50.0), ({'line_loss': {'laminar': 1e8}}, 50.0)])
+def test_what_goes_with_the_viscosity_keeps_its_reference(effects, celsius):
+    """The drag at 60 degC is what it was; the make's tables are those of 50 degC."""
+    made = commission({**MAKE, 'effects': effects}, 'make.yaml', [day(1, celsius=60.0)], 0.0)
+    assert parse_rig(made.rig, 'unit.yaml').characterised_at == pytest.approx(celsius + 273.15)
+
+
 @pytest.mark.parametrize('share', [0.0, 0.6])
 def test_repeatability_is_that_of_the_days(share):
     """Close to what the days were made with; of days that are alike it is less than usual."""
