@@ -19,7 +19,7 @@ from .processes import node, wait_for
 HOUR = 3600 * 10**9
 # What a step back of the clock on the wall does to a thread that waits for a time on it: once the
 # file SET_BACK is there, the next wait of each thread lasts an hour longer, if nobody wakes it.
-WALL = r'''
+WALL = r"""
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <pthread.h>
@@ -41,7 +41,7 @@ int pthread_cond_timedwait(
   }
   return wait(condition, mutex, &later);
 }
-'''
+"""
 
 
 @pytest.mark.parametrize('jump', [HOUR, -HOUR])
