@@ -14,7 +14,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
 from .machine import surroundings
-from .processes import node, wait_for
+from .processes import node as running, wait_for
 
 HOUR = 3600 * 10**9
 # What a step back of the clock on the wall does to a thread that waits for a time on it: once the
@@ -94,7 +94,7 @@ def test_a_reading_that_is_lost_then_is_noticed_at_once(tmp_path, monkeypatch):
     set_back = tmp_path / 'set_back'
     monkeypatch.setenv('SET_BACK', str(set_back))
     monkeypatch.setenv('LD_PRELOAD', str(tmp_path / 'wall.so'))
-    with node('controller'):
+    with running('controller'):
         monkeypatch.delenv('LD_PRELOAD')
         with surroundings() as machine:
             wait_for(machine.motor.get_subscription_count)
