@@ -21,6 +21,7 @@ from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
 from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from hst_drive.nodes.session import PARENT
+from hst_drive.nodes.steady_timers import steady_timers
 import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -218,14 +219,15 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     # What is there by now stays: going through it for garbage is the longest pause of all, 40 ms.
     gc.collect()
     gc.freeze()
-    node.create_timer(_TURN, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
-    while rclpy.ok() and node.exit_code is None and not signals:
-        # Each time a new one, as a call leaves something hanging on it.
-        node.stopped = Future()
-        executor.spin_until_future_complete(
-            node.stopped, timeout_sec=0.0 if node.gather else _CALL)
-        if node.gather:
-            time.sleep(node.gather)
+    node.create_timer(_TURN, look, clock=node.wall)
+    with steady_timers(node, node.wall):
+        while rclpy.ok() and node.exit_code is None and not signals:
+            # Each time a new one, as a call leaves something hanging on it.
+            node.stopped = Future()
+            executor.spin_until_future_complete(
+                node.stopped, timeout_sec=0.0 if node.gather else _CALL)
+            if node.gather:
+                time.sleep(node.gather)
 
 
 def _leave_anyway(role: str, code: int) -> None:

@@ -17,7 +17,8 @@ def run(name: str) -> int:
     Returns
     -------
     int
-        As of ``hst_drive.nodes.base.main``; 1 if a package is missing.
+        As of ``hst_drive.nodes.base.main``, also if told to stop (SIGINT) before that has begun;
+        1 if a package is missing.
 
     """
     try:
@@ -30,6 +31,8 @@ def run(name: str) -> int:
               "Jazzy (. /opt/ros/jazzy/setup.sh) and let 'rosdep install --from-paths src "
               "--ignore-src' bring what is missing", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        return 0
     return module.main()
 
 

@@ -1,6 +1,10 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A clock that is set while the drive runs in real time."""
+import platform
+import shutil
+import subprocess
+
 from hst_drive.nodes.controller import Controller
 from hst_drive.nodes.load_profile import LoadProfile
 from hst_drive.nodes.plant import Plant
@@ -9,7 +13,35 @@ import pytest
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
+from .machine import surroundings
+from .processes import node as running, wait_for
+
 HOUR = 3600 * 10**9
+# What a step back of the clock on the wall does to a thread that waits for a time on it: once the
+# file SET_BACK is there, the next wait of each thread lasts an hour longer, if nobody wakes it.
+WALL = r"""
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+typedef int (*wait_type)(pthread_cond_t *, pthread_mutex_t *, const struct timespec *);
+
+int pthread_cond_timedwait(
+  pthread_cond_t * condition, pthread_mutex_t * mutex, const struct timespec * until)
+{
+  static __thread int done;
+  wait_type wait = (wait_type)dlvsym(RTLD_NEXT, "pthread_cond_timedwait", "GLIBC_2.3.2");
+  struct timespec later = *until;
+  if (!done && access(getenv("SET_BACK"), F_OK) == 0) {
+    done = 1;
+    later.tv_sec += 3600;
+  }
+  return wait(condition, mutex, &later);
+}
+"""
 
 
 @pytest.mark.parametrize('jump', [HOUR, -HOUR])
@@ -50,3 +82,23 @@ def spied(publish, stamps):
         publish(stamp, *values)
 
     return both
+
+
+@pytest.mark.skipif(shutil.which('cc') is None or platform.machine() != 'x86_64',
+                    reason='needs a C compiler, and the symbols of x86_64')
+def test_a_reading_that_is_lost_then_is_noticed_at_once(tmp_path, monkeypatch):
+    """A middleware built for an old C library waits by the clock on the wall."""
+    (tmp_path / 'wall.c').write_text(WALL)
+    subprocess.run(['cc', '-shared', '-fPIC', '-o', 'wall.so', 'wall.c', '-ldl'], cwd=tmp_path,
+                   check=True)
+    set_back = tmp_path / 'set_back'
+    monkeypatch.setenv('SET_BACK', str(set_back))
+    monkeypatch.setenv('LD_PRELOAD', str(tmp_path / 'wall.so'))
+    with running('controller'):
+        monkeypatch.delenv('LD_PRELOAD')
+        with surroundings() as machine:
+            wait_for(machine.motor.get_subscription_count)
+            machine.run_up()
+            set_back.touch()
+            machine.until(lambda: machine.told.get('fault') == 'feedback_lost', reading=None)
+            machine.until(lambda: machine.told.get('at_zero') == 'true', reading=None)

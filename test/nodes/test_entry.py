@@ -40,6 +40,17 @@ def test_a_fault_of_our_own_is_not_taken_for_a_missing_package():
         entry.run('nothing_like_it')
 
 
+def test_to_be_told_to_stop_while_packages_are_still_being_read_is_no_fault(tmp_path):
+    """As launch tells all nodes when one of them could not start."""
+    (tmp_path / 'rclpy.py').write_text('raise KeyboardInterrupt')
+    code = 'from hst_drive.nodes.entry import plant; raise SystemExit(plant())'
+    done = subprocess.run(
+        [sys.executable, '-c', code],
+        env={**environment(), 'PYTHONPATH': f'{tmp_path}:{TREE}'}, text=True,
+        capture_output=True, timeout=PATIENCE)
+    assert (done.returncode, done.stdout, done.stderr) == (0, '', '')
+
+
 def test_every_program_that_is_installed_starts_this_way():
     tree = ast.parse((TREE / 'setup.py').read_text())
     texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
