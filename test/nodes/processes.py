@@ -58,6 +58,8 @@ def node(name: str, *arguments: str, managed: bool = False):
             # Python's fault handler tells where it hangs.
             process.send_signal(signal.SIGABRT)
             process.out, process.err = process.communicate()
+        # Shown with a test that fails.
+        print(process.err, file=sys.stderr)
     assert process.returncode == 0, process.err
 
 
