@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
-from pathlib import Path
 from typing import Any, Union
 
 from hst_drive.api.results import (
@@ -80,8 +79,11 @@ def read_log(source: Any, channels: Channels = None, name: str | None = None) ->
         mapping = ChannelMap()
     elif isinstance(channels, Mapping):
         mapping = parse_channel_map(dict(channels), 'channels')
-    else:
+    elif isinstance(channels, (str, os.PathLike)):
         mapping = load_channel_map(channels)
+    else:
+        raise InputError(f'channels: found {type(channels).__name__}, expected the path of a '
+                         'channel map or its mapping')
     if is_table(source):
         return Log(read_arrays(source, mapping, name or 'log'))
     if not isinstance(source, (str, os.PathLike)):
@@ -422,8 +424,9 @@ def _several(logs: Any) -> list[Any]:
     """Return what was given for one log or several as a list."""
     from hst_drive.bag.arrays import is_table
 
-    one = isinstance(logs, (str, Path, os.PathLike, Log)) or is_table(logs)
-    return [logs] if one else list(logs)
+    one = isinstance(logs, (str, os.PathLike, Log)) or is_table(logs)
+    # What is neither is refused by read_log.
+    return [logs] if one or not isinstance(logs, Iterable) else list(logs)
 
 
 def _runs(logs: Any, channels: Channels) -> list[Any]:
@@ -443,4 +446,7 @@ def _document(diagnosis: Diagnosis | PathLike | Mapping[str, Any]) -> tuple[dict
         return diagnosis.to_json(), 'diagnosis'
     if isinstance(diagnosis, Mapping):
         return dict(diagnosis), 'diagnosis'
+    if not isinstance(diagnosis, (str, os.PathLike)):
+        raise InputError(f'diagnosis: found {type(diagnosis).__name__}, expected what diagnose '
+                         'returned, or the JSON of one')
     return read_json(str(diagnosis)), str(diagnosis)

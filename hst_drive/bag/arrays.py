@@ -86,6 +86,9 @@ def _floats(values: Any, where: str) -> np.ndarray:
     if kind in 'mM':
         raise InputError(f'{where}: holds dates; expected numbers in the unit of the header, of '
                          'a pandas column t: (t - t.iloc[0]).dt.total_seconds()')
+    if kind in 'bc':
+        raise InputError(f'{where}: holds {"complex" if kind == "c" else "logical"} values; '
+                         'expected real numbers in the unit of the header')
     try:
         if hasattr(values, 'to_numpy') and kind == 'O':     # None and NA of pandas
             found = values.to_numpy(dtype=float, na_value=np.nan)

@@ -127,6 +127,9 @@ def parse_channel_map(data: Any, source: str = 'channel map') -> ChannelMap:
                 len(value['minus']) != 2):
             raise InputError(f'{where}: expected {{minus: [FIRST, SECOND]}} and nothing beside, '
                              f'found {value!r}')
+        if any(isinstance(part, dict) and 'minus' in part for part in value['minus']):
+            raise InputError(f'{where}.minus: one difference cannot stand in another; expected '
+                             'columns or topics')
         for key, part in zip((name, name + _MINUS), value['minus']):
             entries[key] = entry_of(key, part, f'{where}.minus', CHANNELS[name].unit)
     time = data.get('time')

@@ -155,7 +155,7 @@ def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
     except OSError as error:
         raise InputError(f'{path}: cannot be read: {error.strerror}') from None
     if not data.strip():
-        raise InputError(f'{path}: the file is empty')
+        raise InputError(f'{path}: the file is empty; expected a header and rows of data')
     if b'\0' in data[:4096]:
         if data[:2] not in (b'\xff\xfe', b'\xfe\xff'):
             raise InputError(f'{path}: not a CSV file (binary content); expected CSV, .mcap or a '

@@ -91,7 +91,8 @@ def _blocks(path: Path, channel_map: ChannelMap) -> Iterator[
                         if line.strip() and not line.lstrip().startswith('#'))
             first = list(islice(numbered, 2))
             if not first:
-                raise InputError(f'{path}: the file is empty')
+                raise InputError(f'{path}: the file is empty; expected a header and rows of '
+                                 'data')
             layout = layout_of([line.rstrip('\n') for _, line in first], channel_map, str(path))
             numbered = chain(first[layout.lines:], numbered)
             while block := list(islice(numbered, _LINES)):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from hst_drive.cli.common import (
     add_day_to_day_argument, add_log_arguments, day_to_day_of, read_logs, rig_file_of)
-from hst_drive.cli.diagnose import progress_line
+from hst_drive.cli.diagnose import progress_line, tell_notes
 from hst_drive.cli.output import (
     add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
 
@@ -44,8 +44,9 @@ def run(args: argparse.Namespace) -> int:
     refuse_to_replace(args.output, args.force)
     source = rig_file_of(args)
     rig = read_yaml(source)
-    found = commission(rig, source, read_logs(args.logs, args.channels), day_to_day,
-                       progress=progress_line())
+    runs = read_logs(args.logs, args.channels)
+    tell_notes(runs)
+    found = commission(rig, source, runs, day_to_day, progress=progress_line())
     write_yaml(found.rig, args.output)
     if args.json:
         write_json({'schema': SCHEMA, 'rig': source, 'logs': args.logs,

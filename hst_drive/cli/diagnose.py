@@ -12,11 +12,15 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import Sequence, TYPE_CHECKING
 
 from hst_drive.cli.common import (
     add_day_to_day_argument, add_holdout_argument, add_log_arguments, day_to_day_of, read_logs,
     rig_file_of, rig_of)
 from hst_drive.cli.output import add_json_argument, say, write_json
+
+if TYPE_CHECKING:
+    from hst_drive.measure.run import Run
 
 HELP = 'say which physical effect the model lacks, how large it is and how sure that is'
 
@@ -52,9 +56,7 @@ def run(args: argparse.Namespace) -> int:
     day_to_day = day_to_day_of(args)
     rig = rig_of(args)
     runs = read_logs([*args.logs, *args.holdout, *args.since], args.channels)
-    for entry in runs:
-        for note in entry.notes:
-            say(f'{entry.name}: {note}')
+    tell_notes(runs)
     count = len(args.logs) + len(args.holdout)
     if args.since:
         source = rig_file_of(args)
@@ -70,6 +72,13 @@ def run(args: argparse.Namespace) -> int:
     if args.json != '-':
         print(text(result))
     return 0
+
+
+def tell_notes(runs: Sequence[Run]) -> None:
+    """Say what was repaired or left out of the logs."""
+    for entry in runs:
+        for note in entry.notes:
+            say(f'{entry.name}: {note}')
 
 
 def progress_line():

@@ -64,6 +64,9 @@ def find_campaigns(place: str | os.PathLike[str]) -> list[Campaign]:
     """
     place = Path(place)
     if place.is_file():
+        if place.suffix in ('.csv', '.mcap'):
+            raise InputError(f'{place}: is a log; give the folder that it lies in, or a list of '
+                             'folders')
         root, folders = place.parent, [place.parent / line for line in _lines(place)]
         absent = [folder for folder in folders if not folder.is_dir()]
         if absent:

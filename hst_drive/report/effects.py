@@ -30,7 +30,7 @@ def chosen(identity: str | None = None) -> dict[str, Effect]:
     if identity is None:
         return effects
     if identity not in effects:
-        near = get_close_matches(identity, effects, n=1)
+        near = get_close_matches(str(identity), effects, n=1)
         hint = f"did you mean '{near[0]}'?" if near else "'hst-drive effects' lists all"
         raise InputError(f"unknown effect '{identity}'; {hint}")
     return {identity: effects[identity]}

@@ -18,7 +18,7 @@ from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
     LEAKAGE, Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
 from hst_drive.rig.yaml_file import read_yaml
-from hst_drive.units import difference_to_si, to_si, UNITS
+from hst_drive.units import difference_to_si, from_si, to_si, UNITS
 import numpy as np
 
 _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
@@ -201,18 +201,26 @@ def _characteristic(entry: Table, found, content, source: str,
     given = {key: _number(value, 0, 1e6, source, f'{path}.{key}', '1')
              for key, value in found.items()}
     if entry.coefficients == LEAKAGE:
-        return leakage(given)
-    if not content.get('displacement_cc_rev'):
+        surface = leakage(given)
+    elif not content.get('displacement_cc_rev'):
         raise InputError(f"{source}: '{path}' by coefficients needs 'motor.displacement_cc_rev'; "
                          'add it')
-    return torque_efficiency(given, to_si(_number(
-        content['displacement_cc_rev'], 0.1, 50000, source, 'motor.displacement_cc_rev',
-        'cc/rev'), 'cc/rev'))
+    else:
+        surface = torque_efficiency(given, to_si(_number(
+            content['displacement_cc_rev'], 0.1, 50000, source, 'motor.displacement_cc_rev',
+            'cc/rev'), 'cc/rev'))
+    usual = float(from_si(surface(to_si(100.0, 'bar'), to_si(100.0, 'rpm')), entry.unit))
+    if usual > entry.high or 0 < usual <= entry.low:
+        raise InputError(
+            f"{source}: '{path}' gives {usual:.3g}{f' {entry.unit}' * (entry.unit != '1')} at "
+            f'100 bar and 100 rpm, outside the physical range {entry.low:g} to {entry.high:g}; '
+            'check the coefficients and their units')
+    return surface
 
 
 def _table(entry: Table, found, source: str, path: str) -> Curve | Surface:
     keys = (*(key for key, _ in entry.axes), entry.value)
-    _known(found, keys, source, path)
+    _known(found, (*keys, *entry.coefficients), source, path)
     for key in keys:
         if key not in found:
             raise InputError(f"{source}: key '{path}.{key}' is missing; add it")

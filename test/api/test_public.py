@@ -180,6 +180,8 @@ def test_losses_of_a_table_are_those_of_its_file(tmp_path):
     ({'time[s]': range(20), 'motor_speed[rpm]': ['fast'] * 20}, 'other things than numbers'),
     ({'time[s]': range(20), 'motor_speed[rpm]': range(19)}, '19 values'),
     ({'time[s]': np.arange(20).astype('datetime64[s]'), 'motor_speed[rpm]': range(20)}, 'dates'),
+    ({'time[s]': range(20), 'motor_speed[rpm]': [True] * 20}, 'logical values'),
+    ({'time[s]': range(20), 'motor_speed[rpm]': [1j] * 20}, 'complex values'),
     ({'time[s]': [0, 1, 1, *range(3, 20)], 'motor_speed[rpm]': range(20)}, 'row 2'),
     (3, 'expected a path')])
 def test_tables_that_cannot_be_used(given, told):
@@ -187,6 +189,18 @@ def test_tables_that_cannot_be_used(given, told):
     with pytest.raises(hd.InputError, match=told) as caught:
         hd.read_log(given)
     assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize('call, told', [
+    (lambda: hd.compare(None), 'log: found NoneType, expected a path'),
+    (lambda: hd.compare([]), 'there is none'),
+    (lambda: hd.read_log({}, channels=5), 'channels: found int, expected the path'),
+    (lambda: hd.adopt(None), 'diagnosis: found NoneType, expected what diagnose returned'),
+    (lambda: hd.effects(5), "unknown effect '5'")])
+def test_arguments_of_another_kind(call, told):
+    """They get the line that a wrong file gets."""
+    with pytest.raises(hd.InputError, match=told):
+        call()
 
 
 @pytest.mark.parametrize('effect, told', [

@@ -166,6 +166,7 @@ def test_a_map_that_does_not_fit_the_csv(tmp_path):
     ({'channels': {'motor_speed': {'minus': ['x']}}}, 'expected {minus'),
     ({'channels': {'motor_speed': {'minus': ['x', 'y'], 'scale': 2}}}, 'nothing beside'),
     ({'channels': {'motor_speed': {'minus': ['x', 3]}}}, 'minus: expected {from'),
+    ({'channels': {'motor_speed': {'minus': ['x', {'minus': ['y', 'z']}]}}}, 'in another'),
     ({'channels': {'motor_speed': {'from': 'x', 'unt': 'rpm'}}}, "'unt'; did you mean 'unit'"),
     ({'channels': {'motor_speed': {'from': 'x', 'unit': 'bar'}}}, 'another quantity'),
     ({'channels': {'motor_speed': {'from': 'x', 'unit': 'rmp'}}}, 'unknown unit'),

@@ -53,6 +53,13 @@ def test_broken_machines_and_bad_shares_are_refused(files, tmp_path, capsys):
     code, out, err = run(capsys, files / 'broken.csv', '--rig', files / 'make.yaml', '-o', unit)
     assert code == 2 and not out and not unit.exists()
     assert 'broken.csv: cannot be commissioned as healthy' in err and 'pump_leakage' in err
+    # What a log lacks is told, whatever comes of it.
+    (tmp_path / 'short.csv').write_text(''.join(
+        line.rpartition(',')[0] + (
+            ',motor_speed[rpm]\n' if '[' in line else ',\n')
+        for line in (files / 'broken.csv').read_text().splitlines()))
+    assert 'short: motor_speed: no numbers in it; left out' in run(
+        capsys, tmp_path / 'short.csv', '--rig', files / 'make.yaml', '-o', unit)[2]
     assert '--day-to-day -1: expected' in refused(
         capsys, files / 'old.csv', '--day-to-day', '-1', '-o', unit)
     # An output that cannot be is told first: before the logs are judged.

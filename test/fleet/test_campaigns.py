@@ -54,6 +54,9 @@ def test_a_list(fleet, tmp_path):
     names.write_text('fleet/rig_z\n')
     with pytest.raises(InputError, match='rig_z, which is no folder'):
         find_campaigns(names)
+    log = next(fleet.rglob('*.csv'))
+    with pytest.raises(InputError, match='is a log; give the folder'):
+        find_campaigns(log)
 
 
 def test_nothing_there(tmp_path):
