@@ -18,6 +18,7 @@ import numpy as np
 # Finest where losses bend, at low pressure and speed.
 _PRESSURES = 1500e5 * np.linspace(0.0, 1.0, 61)**3      # Pa
 _SPEEDS = to_si(20000.0, 'rpm') * np.linspace(0.0, 1.0, 31)**3    # rad/s
+_FULL = 1e5             # Pa
 _LEAST = 0.01           # efficiency where what is lost exceeds what is there
 
 
@@ -42,6 +43,12 @@ def torque_efficiency(found: Mapping[str, float], displacement: float) -> Surfac
     return Surface(_PRESSURES, _SPEEDS, np.clip(1.0 - lost, _LEAST, 1.0))
 
 
-def constant(value: float) -> Surface:
-    """Return a table that has one value everywhere, SI."""
-    return Surface(_PRESSURES[[0, -1]], _SPEEDS[[0, -1]], np.full((2, 2), value))
+def constant(value: float, *, leaks: bool) -> Surface:
+    """
+    Return a table that has one value everywhere, SI.
+
+    What leaks needs a pressure: below ``_FULL`` it falls to zero with it.
+    """
+    pressure = np.array([0.0, _FULL, _PRESSURES[-1]])
+    return Surface(pressure, _SPEEDS[[0, -1]], np.column_stack(
+        [np.where(leaks & (pressure == 0.0), 0.0, value)] * 2))

@@ -194,7 +194,8 @@ def _characteristic(entry: Table, found, content, source: str,
         return None
     if not isinstance(found, (dict, list)):
         return constant(to_si(_number(
-            found, entry.low, entry.high, source, path, entry.unit), entry.unit))
+            found, entry.low, entry.high, source, path, entry.unit), entry.unit),
+            leaks=entry.coefficients == LEAKAGE)
     if not isinstance(found, dict) or not set(found) & set(entry.coefficients):
         return None
     _known(found, entry.coefficients, source, path)

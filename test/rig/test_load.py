@@ -232,6 +232,9 @@ def test_losses_may_be_numbers_or_coefficients():
         'coulomb_N_m': 8.0, 'viscous_N_m_s_per_rad': 0.3, 'pressure_share': 0.03}
     content['pump']['leakage_L_min'] = 0.5
     rig = parse_rig(content)
+    # Without a pressure nothing leaks.
+    assert [rig.pump.leakage(bar * 1e5, 4.0) * 6e4 for bar in (-1.0, 0.0, 0.5, 1.0)] == \
+        pytest.approx([0.0, 0.0, 0.25, 0.5])
     for bar, speed in ((15.0, 1.0), (40.0, 10.0), (163.0, 20.0)):
         leak = 0.004 * bar + 0.02 * math.sqrt(bar)
         assert rig.motor.leakage(bar * 1e5, speed) * 6e4 == pytest.approx(leak, rel=5e-3)
