@@ -21,6 +21,8 @@ from hst_drive.export.c_source import Array, translate
 from hst_drive.model import Drive
 from hst_drive.model.compose import generate, OUTPUTS, python_of, STATES
 from hst_drive.model.parameters import NAMES, SCALED
+from hst_drive.rig.schema import FACTORS, OIL_TEMPERATURES
+from hst_drive.units import to_si
 import numpy as np
 
 IDENTIFIER = 'hst_drive'
@@ -128,7 +130,7 @@ def _description(drive: Drive, guid: str) -> str:
     seen: dict[str, None] = {}
 
     def add(name: str, reference: int, unit: str, meaning: str, start: float | None = None,
-            **more: str) -> None:
+            bounds: tuple[float, ...] = (), **more: str) -> None:
         entry = ElementTree.SubElement(variables, 'ScalarVariable', {
             'name': name, 'valueReference': str(reference), 'description': meaning, **more})
         real = {} if unit == '1' else {'unit': unit}
@@ -136,22 +138,26 @@ def _description(drive: Drive, guid: str) -> str:
             seen[unit] = None
         if start is not None:
             real['start'] = repr(float(start))
+        real.update(zip(('min', 'max'), map(repr, map(float, bounds))))
         ElementTree.SubElement(entry, 'Real', real)
 
     first = (0.0, 0.0, drive.rig.characterised_at, 0.0)
+    hot = tuple(to_si(value, 'degC') for value in OIL_TEMPERATURES)
     for place, ((name, unit, meaning), start) in enumerate(zip(_INPUTS, first)):
-        add(name, place, unit, meaning, start, causality='input', variability='continuous')
+        add(name, place, unit, meaning, start, hot if name == 'oil_temperature' else (),
+            causality='input', variability='continuous')
     for place, name in enumerate(OUTPUTS):
         add(name, _FIRST_OUTPUT + place, _UNITS[name.rpartition('_')[2]],
             name.replace('_', ' '), causality='output', variability='continuous')
     for place, name in enumerate(SCALED):
         add(f'factor.{name}', _FIRST_PARAMETER + place, '1', 'of this unit on the rig file', 1.0,
-            causality='parameter', variability='tunable')
+            FACTORS, causality='parameter', variability='tunable')
     place = _FIRST_PARAMETER + len(SCALED)
     for name, values in drive.effects.items():
         for parameter in catalogue(everything=True)[name].parameters:
             add(f'effect.{name}.{parameter.name}', place, parameter.unit, parameter.meaning,
-                values[parameter.name], causality='parameter', variability='tunable')
+                values[parameter.name], (parameter.low, parameter.high), causality='parameter',
+                variability='tunable')
             place += 1
     for unit in seen:
         definition = ElementTree.SubElement(units, 'Unit', {'name': unit})

@@ -150,6 +150,8 @@ API Status fmi2SetReal(Drive *drive, const Reference *which, size_t count, const
         double *found = place(drive, which[i]);
         if (!found || (which[i] >= FIRST_OUTPUT && which[i] < FIRST_PARAMETER))
             return say(drive, "told a variable that is no input and no parameter");
+        if (!isfinite(values[i]))
+            return say(drive, "told a value that is no number");
         *found = values[i];
     }
     return OK;

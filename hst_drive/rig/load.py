@@ -16,7 +16,8 @@ from hst_drive.rig.fingerprint import read_fingerprint, SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
-    LEAKAGE, Limits, Number, PART, SECTIONS, SENSOR_UNITS, SUFFIXES, Table, TOLERANCES)
+    FACTORS, LEAKAGE, Limits, Number, OIL_TEMPERATURES, PART, SECTIONS, SENSOR_UNITS, SUFFIXES,
+    Table, TOLERANCES)
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, from_si, to_si, UNITS
 import numpy as np
@@ -72,7 +73,8 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
     if not isinstance(provenance, dict):
         raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
-    _number(temperature, -50, 200, source, 'characterised_at_oil_temperature_degC', 'degC')
+    _number(temperature, *OIL_TEMPERATURES, source, 'characterised_at_oil_temperature_degC',
+            'degC')
     return Rig(
         name=str(content.get('name', Path(source).stem)), **sections,
         sensors=_sensors(content.get('sensors', {}), source),
@@ -288,5 +290,5 @@ def _tolerances(found, source: str) -> dict[str, float]:
 
 def _factors(found, source: str) -> dict[str, float]:
     _known(found, TOLERANCES, source, 'calibration')
-    return {key: _number(value, 0.1, 10, source, f'calibration.{key}', '1')
+    return {key: _number(value, *FACTORS, source, f'calibration.{key}', '1')
             for key, value in found.items()}

@@ -64,6 +64,9 @@ _SPEED = ('speed_rpm', 'rpm')
 # Coefficients that may stand in the place of a table.
 LEAKAGE = ('laminar_L_min_per_bar', 'turbulent_L_min_per_sqrt_bar')
 TORQUE = ('coulomb_N_m', 'viscous_N_m_s_per_rad', 'pressure_share')
+# What a unit may be off its datasheet, and where the oil's equations hold.
+FACTORS = (0.1, 10.0)
+OIL_TEMPERATURES = (-50.0, 200.0)   # degC
 
 SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
     'pump': {

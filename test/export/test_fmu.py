@@ -77,6 +77,9 @@ def test_parameters_reset_saved_states_and_two_at_once(tmp_path):
     np.testing.assert_array_equal(one.play(given, INTERVAL, OUTPUTS), first)
     wrong = (ctypes.c_uint * 1)(77)
     assert one.refuses('GetReal', wrong, ctypes.c_size_t(1), (ctypes.c_double * 1)())
+    for value in (np.nan, np.inf):
+        assert one.refuses('SetReal', (ctypes.c_uint * 1)(0), ctypes.c_size_t(1),
+                           (ctypes.c_double * 1)(value))
     assert one.refuses('DoStep', ctypes.c_double(0.0), ctypes.c_double(-1.0), 0)
 
 
@@ -93,6 +96,12 @@ def test_another_simulator_reads_and_runs_it(tmp_path, capsys):
     assert 'with bearing_friction, line_inertance' in capsys.readouterr().out
     assert json.loads((tmp_path / 'e.json').read_text())['fmi'] == '2.0'
     assert validation.validate_fmu(str(target)) == []
+    told = {variable.name: variable for variable
+            in fmpy.read_model_description(str(target)).modelVariables}
+    for variable in told.values():
+        if variable.causality == 'parameter':
+            assert float(variable.min) <= float(variable.start) <= float(variable.max)
+    assert float(told['oil_temperature'].max) == 473.15
     given = inputs(150)
     time = INTERVAL * np.arange(151)
     signals = np.array(
