@@ -33,6 +33,14 @@ def add_holdout_argument(parser: argparse.ArgumentParser) -> None:
                         help='judge on this log (repeatable; default: a third of each LOG)')
 
 
+def add_since_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare --since and what goes with it."""
+    parser.add_argument('--since', metavar='OLD', nargs='+', default=[],
+                        help='say what has changed since these logs of the same machine, which '
+                             'must be healthy (as commission and --rig UNIT.yaml, in one step)')
+    add_day_to_day_argument(parser)
+
+
 def add_day_to_day_argument(parser: argparse.ArgumentParser) -> None:
     """Declare --day-to-day."""
     parser.add_argument(

@@ -15,7 +15,7 @@ import sys
 from typing import Sequence, TYPE_CHECKING
 
 from hst_drive.cli.common import (
-    add_day_to_day_argument, add_holdout_argument, add_log_arguments, day_to_day_of, read_logs,
+    add_holdout_argument, add_log_arguments, add_since_argument, day_to_day_of, read_logs,
     rig_file_of, rig_of)
 from hst_drive.cli.output import add_json_argument, say, write_json
 
@@ -29,10 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add_log_arguments(parser)
     add_holdout_argument(parser)
-    parser.add_argument('--since', metavar='OLD', nargs='+', default=[],
-                        help='say what has changed since these logs of the same machine, which '
-                             'must be healthy (as commission and --rig UNIT.yaml, in one step)')
-    add_day_to_day_argument(parser)
+    add_since_argument(parser)
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw how the error falls with each effect (.png, .pdf or .svg)')
     add_json_argument(parser)

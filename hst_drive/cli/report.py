@@ -5,7 +5,8 @@ The verb ``report``: a page to look at, in one file that opens without a network
 
 Measured against model, where it fails, what is missing and how far the error falls with it. The
 numbers are those of 'compare' and 'diagnose'; of logs longer than ten minutes in all, 'diagnose'
-is left out unless asked for (--diagnose), since it takes minutes.
+is left out unless asked for (--diagnose), since it takes minutes. With --since the older logs
+stand beside the new ones, both against the machine as it was then.
 """
 from __future__ import annotations
 
@@ -15,7 +16,9 @@ import shlex
 import sys
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.common import add_holdout_argument, add_log_arguments, read_json, read_logs
+from hst_drive.cli.common import (
+    add_holdout_argument, add_log_arguments, add_since_argument, day_to_day_of, read_json,
+    read_logs)
 from hst_drive.cli.output import (
     add_json_argument, check_target, plain, say, write_json, write_text)
 from hst_drive.errors import InputError
@@ -34,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('-o', '--output', metavar='PAGE.html', default='report.html',
                         help='page to write (default: report.html)')
     add_holdout_argument(parser)
+    add_since_argument(parser)
     add_model_arguments(parser)
     choice = parser.add_mutually_exclusive_group()
     choice.add_argument('--diagnosis', metavar='DIAGNOSIS.json',
@@ -87,27 +91,38 @@ def _whole_effect(name: str, values: dict[str, float]) -> dict[str, float]:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
+    from hst_drive.cli.diagnose import progress_line
+    from hst_drive.diagnose.commission import commission
     from hst_drive.measure.compare import compare, model_of
     from hst_drive.report import comparison as told
     from hst_drive.report.page import page
-    from hst_drive.report.provenance import provenance
+    from hst_drive.report.provenance import BEFORE, HELD_OUT, provenance, TRAINING
     from hst_drive.report.variants import variants_of
     from hst_drive.rig import default_rig_file, parse_rig
 
     check_target(args.output)
+    day_to_day = day_to_day_of(args)
+    if args.since and args.diagnosis:
+        raise InputError('--since: goes with a diagnosis of its own; leave --diagnosis out, or '
+                         'commission, and give the rig that it was made with: --rig UNIT.yaml')
     content = model_file(args)
     rig_file = args.rig or str(default_rig_file())
-    rig = parse_rig(content, rig_file)
-    paths = [*args.logs, *args.holdout]
+    paths = [*args.logs, *args.holdout, *args.since]
+    roles = [role for role, given in ((TRAINING, args.logs), (HELD_OUT, args.holdout),
+                                      (BEFORE, args.since)) for _ in given]
     runs = read_logs(paths, args.channels)
+    present = runs[:len(runs) - len(args.since)]
+    if args.since:
+        content = commission(content, rig_file, runs[len(present):], day_to_day,
+                             progress=progress_line()).rig
+    rig = parse_rig(content, rig_file)
     say('comparing')
     comparison = compare(model_of(rig, runs), runs)
-    diagnosis, remark = _diagnosis(args, rig, runs)
+    diagnosis, remark = _diagnosis(args, rig, present)
     variants = variants_of(content, rig, runs, comparison, diagnosis,
-                           args.diagnosis or 'diagnosis', say)
-    names = ', '.join(entry.name for entry in runs[:3]) + (', …' if len(runs) > 3 else '')
-    source = provenance(rig, runs, paths, len(args.holdout),
-                        f'hst-drive {shlex.join(sys.argv[1:])}')
+                           args.diagnosis or 'diagnosis', say, len(args.since))
+    names = ', '.join(entry.name for entry in present[:3]) + (', …' if len(present) > 3 else '')
+    source = provenance(rig, runs, paths, roles, f'hst-drive {shlex.join(sys.argv[1:])}')
     sentence = (diagnosis.get('sentence') if diagnosis
                 else told.sentence(comparison))
     text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis, remark)

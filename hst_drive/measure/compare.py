@@ -113,15 +113,19 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         readings changes.
 
     """
-    logs, variables = [], []
+    logs = []
     if closed_loop and isinstance(drive, PartModel):
         raise InputError(f'{runs[0].source}: is a log of a part of the drive; leave --closed-loop '
                          'out')
     for run in runs:
         refuse_starved(run.source, missing_rows(run), len(run))
-        log = compare_log(drive, run, closed_loop=closed_loop, all_seconds=all_seconds)
-        logs.append(log)
-        variables.append(operating_variables(log.run))
+        logs.append(compare_log(drive, run, closed_loop=closed_loop, all_seconds=all_seconds))
+    return together(drive.rig.name, logs, closed_loop=closed_loop)
+
+
+def together(rig: str, logs: Sequence[LogComparison], *, closed_loop: bool = False) -> Comparison:
+    """Judge logs, each of which was compared with a model of the rig of that name, as one."""
+    variables = [operating_variables(log.run) for log in logs]
     names = list(dict.fromkeys(name for log in logs for name in log.signals))
     pooled = {name: _pool([log for log in logs if name in log.signals], name) for name in names}
     shared = set.intersection(*(set(entry) for entry in variables))
@@ -130,7 +134,7 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
         {name: [log.model[name] - log.measured(name) for log in logs] for name in everywhere},
         {name: [entry[name] for entry in variables] for name in variables[0] if name in shared},
         {name: pooled[name].floor for name in everywhere})
-    return Comparison(drive.rig.name, closed_loop, pooled, regions, logs)
+    return Comparison(rig, closed_loop, pooled, regions, list(logs))
 
 
 def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,

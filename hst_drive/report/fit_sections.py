@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hst_drive.measure.compare import Comparison
+from hst_drive.measure.compare import Comparison, LogComparison, together
+from hst_drive.measure.errors import ErrorSummary
 from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
@@ -19,12 +20,21 @@ class Variant(NamedTuple):
     comparison: Comparison
 
 
-def errors_section(variants: list[Variant]) -> Markup:
-    """Return the errors signal by signal, the numbers of the verb compare."""
+def errors_section(variants: list[Variant], before: int = 0) -> Markup:
+    """
+    Return the errors signal by signal, the numbers of the verb compare.
+
+    The last ``before`` logs, from when the machine was commissioned, have a table of their own.
+    """
+    shown = [(entry.title, entry.comparison.signals) for entry in variants]
+    if before:
+        shown = [(entry.title, _pooled(entry.comparison.logs[:-before])) for entry in variants]
+        shown.insert(0, ('when it was commissioned',
+                         _pooled(variants[0].comparison.logs[-before:])))
     tables = []
-    for variant in variants:
+    for title, signals in shown:
         rows = []
-        for name, entry in variant.comparison.signals.items():
+        for name, entry in signals.items():
             unit = CHANNELS[name].display
             rows.append([f'{CHANNELS[name].title} [{unit}]', *(
                 float(difference_from_si(value, unit)) for value in (
@@ -32,12 +42,16 @@ def errors_section(variants: list[Variant]) -> Markup:
                 _ratio(entry.noise_ratio), 100.0 * entry.fit,
                 *(100.0 * value for value in entry.russell)])
         tables.append(table(['signal', 'rmse', 'bias', 'max', 'noise', 'floor', '× floor',
-                             'fit %', 'Russell M %', 'P %', 'C %'], rows, variant.title))
+                             'fit %', 'Russell M %', 'P %', 'C %'], rows, title))
     return section('errors', 'How large the error is', *tables, note(
         'noise: the sensor’s, estimated from the record. floor: what a perfect model would still '
         'show, since the noise of the recorded inputs shakes the replay. × floor: rmse over '
         'floor; 1 is a perfect model. All logs, as compare judges them; Russell’s errors hide '
         'small errors on a large mean.'))
+
+
+def _pooled(logs: list[LogComparison]) -> dict[str, ErrorSummary]:
+    return together('', logs).signals
 
 
 def _ratio(value: float) -> Markup:

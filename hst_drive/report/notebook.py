@@ -9,7 +9,7 @@ from hst_drive.measure.compare import Comparison
 from hst_drive.measure.run import Run
 from hst_drive.report.markup import element
 from hst_drive.report.page import page
-from hst_drive.report.provenance import provenance
+from hst_drive.report.provenance import HELD_OUT, provenance, TRAINING
 from hst_drive.report.variants import variants_of
 from hst_drive.rig import Rig
 
@@ -39,7 +39,8 @@ def whole_page(content: dict, rig: Rig, runs: Sequence[Run], comparison: Compari
 
     """
     variants = variants_of(content, rig, runs, comparison, diagnosis, 'diagnosis')
-    source = provenance(rig, runs, [run.source for run in runs], held_out, 'import hst_drive')
+    roles = [TRAINING] * (len(runs) - held_out) + [HELD_OUT] * held_out
+    source = provenance(rig, runs, [run.source for run in runs], roles, 'import hst_drive')
     names = ', '.join(run.name for run in runs[:3]) + (', …' if len(runs) > 3 else '')
     text = page(f'{names} against {rig.name}', sentence, variants, source, diagnosis,
                 points=_POINTS)

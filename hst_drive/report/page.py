@@ -16,7 +16,7 @@ from hst_drive.report.found_sections import (
     found_section, ladder_section, rivals_section, unit_section, verdict)
 from hst_drive.report.markup import element, join, Markup, section, table
 from hst_drive.report.plain import plain
-from hst_drive.report.provenance import Provenance
+from hst_drive.report.provenance import BEFORE, HELD_OUT, Provenance
 
 _HEADING = re.compile('<h2 id="([a-z]+)-title">(.*?)</h2>')
 SCRIPTS = ('draw.js', 'time_plots.js', 'maps.js', 'ladder.js', 'report.js')
@@ -49,7 +49,9 @@ def page(title: str, sentence: str, variants: Sequence[Variant], source: Provena
     blocks = [_header(title, sentence, variants, source, diagnosis, remark)]
     if diagnosis:
         blocks += [ladder_section(diagnosis), found_section(diagnosis)]
-    blocks += [curves_section(variants), where_section(variants), errors_section(variants)]
+    before = sum(entry.role == BEFORE for entry in source.sources)
+    blocks += [curves_section(variants), where_section(variants),
+               errors_section(variants, before)]
     if diagnosis:
         blocks += [rivals_section(diagnosis), unit_section(diagnosis)]
     blocks.append(_provenance(source))
@@ -78,9 +80,11 @@ def _header(title: str, sentence: str, variants: list[Variant], source: Provenan
             diagnosis: dict | None, remark: str) -> Markup:
     logs = variants[0].comparison.logs
     seconds = sum(float(log.run.time[-1] - log.run.time[0]) for log in logs)
-    held = sum(entry.role == 'held out' for entry in source.sources)
+    held, before = (sum(entry.role == role for entry in source.sources)
+                    for role in (HELD_OUT, BEFORE))
     facts = [f'{len(logs)} {"log" if len(logs) == 1 else "logs"}, {_duration(seconds)}'
-             + (f', {held} of them held out' if held else ''),
+             + (f', {held} of them held out' if held else '')
+             + (f', {before} from when it was commissioned' if before else ''),
              f'rig: {source.rig}', source.date]
     return element(
         'header', element('h1', title), verdict(diagnosis) if diagnosis else '',

@@ -14,6 +14,7 @@ import hst_drive
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 
+ROLES = TRAINING, HELD_OUT, BEFORE = 'training', 'held out', 'commissioning'
 _CHUNK = 1 << 20
 
 
@@ -42,7 +43,7 @@ class Provenance(NamedTuple):
     versions: dict[str, str]
 
 
-def provenance(rig: Rig, runs: Sequence[Run], paths: Sequence[str], holdout: int,
+def provenance(rig: Rig, runs: Sequence[Run], paths: Sequence[str], roles: Sequence[str],
                command: str) -> Provenance:
     """
     Collect what a page rests on.
@@ -51,17 +52,14 @@ def provenance(rig: Rig, runs: Sequence[Run], paths: Sequence[str], holdout: int
     ----------
     rig : Rig
         What the model stands for.
-    runs, paths : sequence
-        Logs and their files; the last ``holdout`` of them are held out.
-    holdout : int
-        See there.
+    runs, paths, roles : sequence
+        Logs, their files, and what they are used for: one of ``ROLES``.
     command : str
         As the user called it.
 
     """
-    first_held = len(runs) - holdout
-    sources = tuple(_source(run, Path(path), 'held out' if place >= first_held else 'training')
-                    for place, (run, path) in enumerate(zip(runs, paths)))
+    sources = tuple(_source(run, Path(path), role)
+                    for run, path, role in zip(runs, paths, roles))
     now = datetime.now(timezone.utc).strftime('%Y-%m-%d %H:%M UTC')
     return Provenance(now, command, rig.name, rig.source, rig.digest, sources, versions())
 

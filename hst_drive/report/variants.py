@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from hst_drive.diagnose.adopt import adopt
-from hst_drive.measure.compare import compare, Comparison, model_of
+from hst_drive.measure.compare import compare, Comparison, model_of, together
 from hst_drive.measure.run import Run
 from hst_drive.report.fit_sections import Variant
 from hst_drive.rig import parse_rig, Rig
@@ -14,9 +14,12 @@ from hst_drive.rig import parse_rig, Rig
 
 def variants_of(content: dict, rig: Rig, runs: Sequence[Run], given: Comparison,
                 diagnosis: dict | None, source: str,
-                progress: Callable[[str], None] = lambda text: None) -> list[Variant]:
+                progress: Callable[[str], None] = lambda text: None,
+                before: int = 0) -> list[Variant]:
     """
     Compare logs with a rig and what a diagnosis found, beside the rig as it was given.
+
+    What was found came after the last ``before`` logs: they stay as they were compared.
 
     Parameters
     ----------
@@ -28,12 +31,16 @@ def variants_of(content: dict, rig: Rig, runs: Sequence[Run], given: Comparison,
         What 'diagnose --json' writes, and its file.
     progress : callable
         Called with a text while the work goes on.
+    before : int
+        See there.
 
     """
-    variants = [Variant('model as given', given)]
+    present = len(runs) - before
+    variants = [Variant('the machine as it was' if before else 'model as given', given)]
     for title, other in _adopted(content, diagnosis, source, rig):
         progress(f'comparing: {title}')
-        variants.append(Variant(title, compare(model_of(other, runs), runs)))
+        new = compare(model_of(other, runs), runs[:present])
+        variants.append(Variant(title, together(other.name, [*new.logs, *given.logs[present:]])))
     return variants
 
 

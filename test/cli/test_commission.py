@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The verb commission, and diagnose --since: from files to files."""
 import json
+import re
 
 from hst_drive.rig import load_rig
 from hst_drive.units import from_si
@@ -14,6 +15,7 @@ from ..diagnose.machines import day, MAKE
 
 run, refused = calls_of('commission')
 diagnose, _ = calls_of('diagnose')
+report, refused_page = calls_of('report')
 HEADER = 'time[s],pump_outlet_pressure[bar],pump_speed[rpm],motor_inlet_flow[L/min],' \
          'oil_temperature[degC]'
 UNITS = {'pump_outlet_pressure': 'bar', 'pump_speed': 'rpm', 'motor_inlet_flow': 'L/min',
@@ -85,3 +87,25 @@ def test_since_is_commission_and_diagnose_in_one_step(files, tmp_path, capsys):
     twice = diagnose(capsys, files / 'old.csv', '--rig', files / 'make.yaml', '--since',
                      files / 'old.csv')
     assert twice[0] == 2 and 'given twice' in twice[2]
+
+
+def test_a_page_shows_then_and_now(files, tmp_path, capsys):
+    """The older log by the machine as it was; the new one without and with what came since."""
+    page, made = tmp_path / 'page.html', tmp_path / 'page.json'
+    code, _, _ = report(capsys, files / 'leaky.csv', '--rig', files / 'make.yaml', '--since',
+                        files / 'old.csv', '-o', page, '--json', made)
+    found = json.loads(made.read_text())
+    assert code == 0 and found['diagnosis']['effects'][0]['id'].startswith('pump_')
+    assert [entry['role'] for entry in found['provenance']['sources']] == [
+        'training', 'commissioning']
+    shown = page.read_text(encoding='utf-8')
+    assert '2 logs' in shown and '1 from when it was commissioned' in shown
+    # Error of the flow over the floor, table by table.
+    then, without, with_it = (
+        float(re.search(rf'<caption>{title}.*?class="ratio.*?>([\d.]+)<', shown, re.DOTALL)[1])
+        for title in ('when it was commissioned', 'the machine as it was', 'with what was found'))
+    assert then < 1.25 and with_it < 1.25 and without > 1.5
+    assert 'leave --diagnosis out' in refused_page(
+        capsys, files / 'leaky.csv', '--since', files / 'old.csv', '--diagnosis', made)
+    assert '--day-to-day nan' in refused_page(
+        capsys, files / 'leaky.csv', '--since', files / 'old.csv', '--day-to-day', 'nan')
