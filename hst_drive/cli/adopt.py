@@ -38,6 +38,7 @@ def run(args: argparse.Namespace) -> int:
     """Adopt and say what was added."""
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.result import UNIT_ALONE
+    from hst_drive.fleet.campaigns import history_dates
     from hst_drive.rig import parse_rig
     from hst_drive.rig.yaml_file import read_yaml
 
@@ -47,7 +48,7 @@ def run(args: argparse.Namespace) -> int:
     diagnosis = read_json(args.diagnosis)
     rig = read_yaml(rig_file)
     adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula,
-                    calibration=args.calibration)
+                    calibration=args.calibration, dates=history_dates(diagnosis))
     parse_rig(adopted, args.output)
     write_yaml(adopted, args.output)
     tell = say if args.output == '-' else print

@@ -3,7 +3,9 @@
 """Adoption: what a diagnosis found becomes part of the rig."""
 from __future__ import annotations
 
+from collections.abc import Mapping
 from copy import deepcopy
+from types import MappingProxyType
 
 from hst_drive.diagnose.result import require_schema
 from hst_drive.effects import catalogue
@@ -14,7 +16,8 @@ from hst_drive.rig.schema import TOLERANCES
 
 
 def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
-          formula: bool = False, calibration: bool = False) -> dict:
+          formula: bool = False, calibration: bool = False,
+          dates: Mapping[str, str] = MappingProxyType({})) -> dict:
     """
     Return the mapping of a rig file with the effects that a diagnosis found.
 
@@ -33,6 +36,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         Adopt the formula for the unknown as well, beside the effects as they were fitted with it.
     calibration : bool
         Where nothing is missing: adopt by how much the unit is off its datasheet.
+    dates : mapping of str to str
+        Days for the history, as ``recorded`` and ``adopted``.
 
     Raises
     ------
@@ -87,7 +92,7 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
     adopted['calibration'] = factors
     past = list((rig.get('provenance') or {}).get('adopted', []))
     adopted['provenance'] = {**(rig.get('provenance') or {}), 'adopted': [
-        *past, {**_provenance(diagnosis, source, names, effects), **(
+        *past, {**dates, **_provenance(diagnosis, source, names, effects), **(
             {'changed': {name: {'from': rig['effects'][name], 'to': found[name],
                                 'change': entry.get('change')}
                          for name, entry in zip(names, effects) if name in already}}

@@ -1,11 +1,13 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """The verb diagnose on a measurement that another program made: its JSON, adoption, the fall."""
+from datetime import date
 import json
 import math
 
 from hst_drive import cli
 from hst_drive.effects import catalogue
+from hst_drive.rig import load_rig
 import pytest
 
 pytestmark = pytest.mark.needs_numba
@@ -146,6 +148,7 @@ def test_adopting_it_makes_the_error_fall(diagnosed, content, campaign, capsys):
         signals = json.loads(capsys.readouterr().out)['signals']
         ratios.append(signals['pump_outlet_pressure']['noise_ratio'])
     assert ratios[0] > 3.0 and ratios[1] < 1.3
+    assert date.fromisoformat(load_rig(target).provenance['adopted'][-1]['adopted'])
     again = cli.main(['adopt', str(diagnosed[2]), '--rig', str(target), '-o',
                       str(campaign / 'twice.yaml')])
     assert again == 2 and 'is adopted already' in capsys.readouterr().err

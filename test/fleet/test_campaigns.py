@@ -1,8 +1,10 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """What is a campaign, whose it is, and when it was."""
+from datetime import datetime
+
 from hst_drive.errors import InputError
-from hst_drive.fleet.campaigns import find_campaigns
+from hst_drive.fleet.campaigns import find_campaigns, history_dates
 import pytest
 
 
@@ -57,6 +59,16 @@ def test_a_list(fleet, tmp_path):
     log = next(fleet.rglob('*.csv'))
     with pytest.raises(InputError, match='is a log; give the folder'):
         find_campaigns(log)
+
+
+def test_the_dates_of_a_history(fleet):
+    """From the folder, the log's name or nowhere; a diagnosis that tells no logs is no reason."""
+    for path, told in (('rig_a/2026-03-14/drilling.csv', '2026-03-14'),
+                       ('rig_a/hole_20251224.csv', '2025-12-24'), ('rig_a/hole.csv', None)):
+        dates = history_dates({'logs': [str(fleet / path)]})
+        assert dates.get('recorded') == told
+        assert abs(datetime.fromisoformat(dates['adopted']) - datetime.now()).days <= 2
+    assert [*history_dates([])] == [*history_dates({'logs': 5})] == ['adopted']
 
 
 def test_nothing_there(tmp_path):
