@@ -6,11 +6,12 @@ from typing import Any, TYPE_CHECKING
 
 if TYPE_CHECKING:
     from hst_drive.api import (
-        adopt, compare, design, diagnose, effects, load_rig, losses, read_log, simulate)
+        adopt, commission, compare, design, diagnose, effects, load_rig, losses, read_log,
+        simulate)
     from hst_drive.errors import InputError
 
-__all__ = ['InputError', 'adopt', 'compare', 'design', 'diagnose', 'effects', 'load_rig',
-           'losses', 'read_log', 'simulate']
+__all__ = ['InputError', 'adopt', 'commission', 'compare', 'design', 'diagnose', 'effects',
+           'load_rig', 'losses', 'read_log', 'simulate']
 __version__ = '0.1.0'
 # All of it is imported when it is asked for: verbs and nodes start without. These functions are
 # packages that can be called (as_function).

@@ -17,8 +17,8 @@ from hst_drive.api.results import (
 from hst_drive.errors import InputError
 
 __all__ = ['Comparison', 'Design', 'Diagnosis', 'Effects', 'Log', 'Losses', 'Result', 'RigFile',
-           'adopt', 'compare', 'design', 'diagnose', 'effects', 'load_rig', 'losses', 'read_log',
-           'simulate']
+           'adopt', 'commission', 'compare', 'design', 'diagnose', 'effects', 'load_rig', 'losses',
+           'read_log', 'simulate']
 
 PathLike = Union[str, 'os.PathLike[str]']
 Channels = Union[PathLike, Mapping[str, Any], None]
@@ -175,6 +175,53 @@ def compare(logs: Any, rig: Rigs = None, *, channels: Channels = None, closed_lo
     result = work(model_of(file.rig, runs), runs, closed_loop=closed_loop,
                   all_seconds=all_seconds)
     return Comparison(result, file, runs)
+
+
+def commission(logs: Any, rig: Rigs = None, *, channels: Channels = None,
+               day_to_day: float | None = None,
+               progress: Callable[[str], None] | None = None) -> RigFile:
+    """
+    Learn a machine's own numbers from logs of when it was healthy.
+
+    Parameters
+    ----------
+    logs : log or sequence of logs
+        What ``read_log`` returns or takes; better of two or three days.
+    rig : RigFile, path or mapping, optional
+        Of the make; by default the shipped test rig.
+    channels : path or mapping, optional
+        Channel map, for logs that are not read yet.
+    day_to_day : float, optional
+        By how much the machine differs from one day to the next, one sigma, in tolerances of the
+        make; by default from the logs, if there are several, else 0.1.
+    progress : callable, optional
+        Called with a text while the work goes on, e.g. ``print``.
+
+    Returns
+    -------
+    RigFile
+        With it ``diagnose`` says what has changed since.
+
+    Raises
+    ------
+    InputError
+        If something is missing in the model of these logs, or they tell nothing.
+
+    Examples
+    --------
+    >>> import hst_drive as hd
+    >>> healthy = hd.simulate('commissioning').between(0.0, 30.0)
+    >>> unit = hd.commission(healthy)
+    >>> unit.rig.scatter['motor.leakage'] < hd.load_rig().rig.tolerances['motor.leakage']
+    True
+
+    """
+    from hst_drive.diagnose.commission import commission as work
+
+    file = load_rig(rig)
+    found = work(file.content, file.source, _runs(logs, channels), day_to_day,
+                 progress=progress or (lambda text: None))
+    return RigFile(found.rig, 'commissioned rig')
 
 
 def diagnose(logs: Any, rig: Rigs = None, *, holdout: Any = (), channels: Channels = None,

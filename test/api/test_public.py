@@ -19,7 +19,7 @@ import pytest
 
 TOP = Path(__file__).resolve().parents[2]
 FUNCTIONS = sorted(set(hd.__all__) - {'InputError'})
-DIAGNOSING = ('adopt', 'diagnose')      # minutes without numba
+DIAGNOSING = ('adopt', 'commission', 'diagnose')      # minutes without numba
 LEAK = {'motor_leakage': {'conductance': 2e-12}}
 
 
