@@ -91,8 +91,6 @@ def _whole_effect(name: str, values: dict[str, float]) -> dict[str, float]:
 
 def run(args: argparse.Namespace) -> int:
     """Compare, diagnose, and write the page."""
-    from hst_drive.cli.diagnose import progress_line
-    from hst_drive.diagnose.commission import commission
     from hst_drive.measure.compare import compare, model_of
     from hst_drive.report import comparison as told
     from hst_drive.report.page import page
@@ -113,6 +111,9 @@ def run(args: argparse.Namespace) -> int:
     runs = read_logs(paths, args.channels)
     present = runs[:len(runs) - len(args.since)]
     if args.since:
+        from hst_drive.cli.diagnose import progress_line
+        from hst_drive.diagnose.commission import commission
+
         content = commission(content, rig_file, runs[len(present):], day_to_day,
                              progress=progress_line()).rig
     rig = parse_rig(content, rig_file)

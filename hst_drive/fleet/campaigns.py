@@ -121,7 +121,7 @@ def _campaign(folder: Path, root: Path) -> Campaign | None:
         parts = folder.resolve().parts[-2:]
     name = '/'.join(parts) or folder.resolve().name
     machine = '/'.join(parts[:-1]) or _DATE.sub('', name).strip('-_. ') or name
-    return Campaign(name, machine, date_of(name, logs),
+    return Campaign(name, machine, _date(name, logs),
                     tuple(path for path in logs if path not in held), held,
                     _beside(folder, root, 'rig.yaml'), _beside(folder, root, 'channels.yaml'))
 
@@ -137,12 +137,8 @@ def _beside(folder: Path, root: Path, name: str) -> str:
     return ''
 
 
-def date_of(name: str, logs: Sequence[str]) -> str:
-    """
-    Return the day in the name of the campaign or of a log, or that on which a bag began.
-
-    As ISO 8601 has it; '' where nothing tells.
-    """
+def _date(name: str, logs: Sequence[str]) -> str:
+    """Return the day in the name of the campaign or of a log, or that on which a bag began."""
     for text in (*reversed(name.split('/')), *(Path(log).name for log in logs)):
         match = _DATE.search(text)
         if match:
@@ -158,7 +154,7 @@ def history_dates(diagnosis: object) -> dict[str, str]:
     """Return when the logs of a diagnosis were recorded, if that is told, and the day of today."""
     logs = diagnosis.get('logs') if isinstance(diagnosis, dict) else None
     paths = [Path(str(log)) for log in logs] if isinstance(logs, list) else []
-    recorded = date_of(paths[0].parent.as_posix(), list(map(str, paths))) if paths else ''
+    recorded = _date(paths[0].parent.as_posix(), list(map(str, paths))) if paths else ''
     return {**({'recorded': recorded} if recorded else {}),
             'adopted': datetime.now(timezone.utc).strftime('%Y-%m-%d')}
 

@@ -126,15 +126,20 @@ def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
 def together(rig: str, logs: Sequence[LogComparison], *, closed_loop: bool = False) -> Comparison:
     """Judge logs, each of which was compared with a model of the rig of that name, as one."""
     variables = [operating_variables(log.run) for log in logs]
-    names = list(dict.fromkeys(name for log in logs for name in log.signals))
-    pooled = {name: _pool([log for log in logs if name in log.signals], name) for name in names}
+    signals = pooled(logs)
     shared = set.intersection(*(set(entry) for entry in variables))
-    everywhere = [name for name in names if all(name in log.signals for log in logs)]
+    everywhere = [name for name in signals if all(name in log.signals for log in logs)]
     regions = where(
         {name: [log.model[name] - log.measured(name) for log in logs] for name in everywhere},
         {name: [entry[name] for entry in variables] for name in variables[0] if name in shared},
-        {name: pooled[name].floor for name in everywhere})
-    return Comparison(rig, closed_loop, pooled, regions, list(logs))
+        {name: signals[name].floor for name in everywhere})
+    return Comparison(rig, closed_loop, signals, regions, list(logs))
+
+
+def pooled(logs: Sequence[LogComparison]) -> dict[str, ErrorSummary]:
+    """Return the errors of logs as if they were one, signal by signal."""
+    names = dict.fromkeys(name for log in logs for name in log.signals)
+    return {name: _pool([log for log in logs if name in log.signals], name) for name in names}
 
 
 def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hst_drive.measure.compare import Comparison, LogComparison, together
-from hst_drive.measure.errors import ErrorSummary
+from hst_drive.measure.compare import Comparison, pooled
 from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
@@ -28,9 +27,8 @@ def errors_section(variants: list[Variant], before: int = 0) -> Markup:
     """
     shown = [(entry.title, entry.comparison.signals) for entry in variants]
     if before:
-        shown = [(entry.title, _pooled(entry.comparison.logs[:-before])) for entry in variants]
-        shown.insert(0, ('when it was commissioned',
-                         _pooled(variants[0].comparison.logs[-before:])))
+        shown = [('when it was commissioned', pooled(variants[0].comparison.logs[-before:])),
+                 *((entry.title, pooled(entry.comparison.logs[:-before])) for entry in variants)]
     tables = []
     for title, signals in shown:
         rows = []
@@ -48,10 +46,6 @@ def errors_section(variants: list[Variant], before: int = 0) -> Markup:
         'show, since the noise of the recorded inputs shakes the replay. × floor: rmse over '
         'floor; 1 is a perfect model. All logs, as compare judges them; Russell’s errors hide '
         'small errors on a large mean.'))
-
-
-def _pooled(logs: list[LogComparison]) -> dict[str, ErrorSummary]:
-    return together('', logs).signals
 
 
 def _ratio(value: float) -> Markup:

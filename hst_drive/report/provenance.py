@@ -14,7 +14,7 @@ import hst_drive
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 
-ROLES = TRAINING, HELD_OUT, BEFORE = 'training', 'held out', 'commissioning'
+TRAINING, HELD_OUT, BEFORE = 'training', 'held out', 'commissioning'
 _CHUNK = 1 << 20
 
 
@@ -53,7 +53,8 @@ def provenance(rig: Rig, runs: Sequence[Run], paths: Sequence[str], roles: Seque
     rig : Rig
         What the model stands for.
     runs, paths, roles : sequence
-        Logs, their files, and what they are used for: one of ``ROLES``.
+        Logs, their files, and what they are used for: ``TRAINING``,
+        ``HELD_OUT`` or ``BEFORE``.
     command : str
         As the user called it.
 
