@@ -1,11 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""
-The closed circuit, integrated with fourth-order Runge-Kutta steps.
-
-States: both lines, the charge line, the servo (pilot, plate, two hidden stages), speed of the
-motors (at the measured shaft), speed of the load, twist and angle, prime mover, speed filter.
-"""
+"""The closed circuit: lines, charge line, servo and prime mover; Runge-Kutta of order four."""
 
 from __future__ import annotations
 
@@ -13,81 +8,72 @@ from math import copysign, exp, tanh
 
 import numpy as np
 
+from .common import (ANGLE, EXTRA2, MS_PER_TICK, PA, PB, PER_MS, STEP, STROKE, W, advance,
+                     controller, delayed, limited, play, shaft, speed_seen, stuck_thread, towards)
+from .pieces import (above, cross_leak, gas_capacity, line_drop, modulus, motor_flows, stroke)
 from ..terms import jit, root
-from .pieces import (above, contact, cross_leak, drag, gas_capacity, line_drop, modulus,
-                     motor_flows, play, shaft_torque, sign, stroke)
 
-STEP = 0.2e-3
-PER_MS = 5
-MS_PER_TICK = 10
-PA, PB, PC, PILOT, PLATE, EXTRA1, EXTRA2, W, WL, TWIST, ANGLE, WP, WF1, WF2 = range(14)
-STATES = 14
+PC, WP, STATES = EXTRA2 + 1, EXTRA2 + 2, EXTRA2 + 3
 OUT = ('u', 'pa', 'pb', 'pc', 'w', 'torque', 'd_pump', 'w_pump', 'q_drain', 't_pump', 'theta',
-       'w_seen', 'q_pump', 'q_motor', 'q_out', 'q_in', 't_drive', 't_lost', 'q_charge')
+       'w_seen', 'q_pump', 'q_motor', 'q_out', 'q_check', 't_drive', 't_lost', 'q_charge')
 
 
 @jit
-def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a, sticky_b):
-    """Write the derivatives of all states, and flows and torques that are not states."""
-    pa, pb, pc = y[PA], y[PB], y[PC]
-    w, wl, wp = y[W], y[WL], y[WP]
-    dp = pa - pb
-    # servo: hidden stages, pilot, plate
-    aim = target
-    dy[EXTRA1] = dy[EXTRA2] = 0.0
-    if p.extra_lag > 0.0:
-        tau = p.extra_lag if p.f_pump_lag == 0.0 else 0.5 * p.extra_lag
-        dy[EXTRA1] = (aim - y[EXTRA1]) / tau
-        dy[EXTRA2] = (y[EXTRA1] - y[EXTRA2]) / tau
-        aim = y[EXTRA1] if p.f_pump_lag == 0.0 else y[EXTRA2]
-    dy[PILOT] = (aim - y[PILOT]) / (0.04 * p.lag)
-    lag = 0.96 * p.lag
-    if p.servo_load > 0.0:
-        if p.f_servo_supply == 0.0:
-            lag *= (p.c_set / max(pc, 3e5)) ** (3.0 * p.servo_load)
+def pump_leak(p, pressure, fluid):
+    """Return one side's leakage of the pump (odd in pressure)."""
+    q = p.p_lam * pressure * fluid + p.p_turb * root(pressure, 0.5e5)
+    if p.g_pump > 0.0:
+        if p.f_pump_leakage == 0.0:
+            q += p.g_pump * pressure * fluid
+        elif p.f_pump_leakage == 1.0:
+            q += p.g_pump * pressure * (0.7 * fluid + 0.3 * abs(pressure) / 150e5)
         else:
-            lag *= 1.0 + p.servo_load * abs(dp) / 200e5
-    rate = (y[PILOT] - y[PLATE]) / lag
-    if p.rate_limit > 0.0:
-        limit = p.rate_limit
-        if p.f_pump_rate_limit == 2.0:
-            limit *= 1.2 if rate > 0.0 else 0.8
-        if p.f_pump_rate_limit == 1.0:
-            rate /= (1.0 + (rate / limit) ** 4) ** 0.25
-        else:
-            rate = max(-limit, min(limit, rate))
-    dy[PLATE] = rate
-    x = y[PLATE]
+            q += p.g_pump * root(pressure, 0.5e5) * 150e5 ** 0.5
+    return q
+
+
+@jit
+def pump(p, x, dp, low, wp):
+    """Return the pump's displacement and the flow that it moves from one line to the other."""
     if p.k_swash > 0.0:
         if p.f_swash_compliance == 0.0:
             x *= 1.0 - p.k_swash * dp * tanh(20.0 * x)
         else:
             x -= 0.6 * p.k_swash * dp * tanh(abs(20.0 * x))
     d = p.d_pump * x
-    # flows
-    low = min(pa, pb)
     fill = 0.5 * (1.0 + tanh((low + 0.7e5) / 0.15e5))
     if p.starve > 0.0:
         if p.f_suction_starvation == 0.0:
             fill -= p.starve * (max(abs(x) - 0.55, 0.0) / 0.45) ** 2
         else:
-            fill -= p.starve * abs(x) / (1.0 + exp((low - 20e5) / 1.5e5))
+            fill -= p.starve * abs(x) / (1.0 + exp((low - p.c_set + 1e5) / 1.5e5))
     swept = d * wp * fill
     if p.c_comp > 0.0:
         swept -= p.c_comp * dp * wp * (
             abs(d) if p.f_compressibility_flow == 0.0 else 0.45 * p.d_pump + 0.2 * abs(d))
-    leak_a = p.p_lam * pa * fluid + p.p_turb * root(pa, 0.5e5)
-    leak_b = p.p_lam * pb * fluid + p.p_turb * root(pb, 0.5e5)
-    if p.g_pump > 0.0:
-        if p.f_pump_leakage == 0.0:
-            leak_a += p.g_pump * pa * fluid
-            leak_b += p.g_pump * pb * fluid
-        elif p.f_pump_leakage == 1.0:
-            leak_a += p.g_pump * pa * (0.7 * fluid + 0.3 * max(pa, 0.0) / 150e5)
-            leak_b += p.g_pump * pb * (0.7 * fluid + 0.3 * max(pb, 0.0) / 150e5)
+    return d, swept
+
+
+@jit
+def servo_rate(p, y, dy, target):
+    """Return the rate of the swash plate."""
+    rate = delayed(p, y, dy, target, p.extra_lag, p.f_pump_lag == 1.0)
+    if p.servo_load > 0.0:
+        if p.f_servo_supply == 0.0:
+            rate *= (max(y[PC], 3e5) / p.c_set) ** (3.0 * p.servo_load)
         else:
-            leak_a += p.g_pump * root(pa, 0.5e5) * 150e5 ** 0.5
-            leak_b += p.g_pump * root(pb, 0.5e5) * 150e5 ** 0.5
+            rate /= 1.0 + p.servo_load * abs(y[PA] - y[PB]) / 200e5
+    return limited(rate, p.rate_limit, p.f_pump_rate_limit)
+
+
+@jit
+def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a, sticky_b):
+    """Write the derivatives of all states, and flows and torques that are not states."""
+    pa, pb, pc, w, wp = y[PA], y[PB], y[PC], y[W], y[WP]
+    dp = pa - pb
+    dy[STROKE] = servo_rate(p, y, dy, target)
+    d, swept = pump(p, y[STROKE], dp, min(pa, pb), wp)
+    leak_a, leak_b = pump_leak(p, pa, fluid), pump_leak(p, pb, fluid)
     share = p.case_share
     inside = (1.0 - share) * (leak_a - leak_b)
     leak_a, leak_b = share * leak_a, share * leak_b
@@ -125,24 +111,10 @@ def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a,
     dy[PA] = net_a / (p.volume / modulus(p, pa) + gas_capacity(p, pa))
     dy[PB] = net_b / (p.volume / modulus(p, pb))
     dy[PC] = net_c / (p.v_charge / modulus(p, pc))
-    for i in range(3):
+    for i in (PA, PB, PC):
         if y[i] < -0.9e5:
             dy[i] = max(dy[i], 0.0)
-    # torques
-    drive = shaft_torque(p, ma - mb, w)
-    lost = drag(p, w, drive, y[ANGLE], temperature)
-    turning = wl if p.play > 0.0 else w
-    load = rock * sign(p, turning) + push
-    if p.play > 0.0:
-        through = contact(p, y[TWIST], w - wl)
-        dy[W] = (drive - through) / (p.inertia * p.inertia_share)
-        dy[WL] = (through - lost - load) / (p.inertia * (1.0 - p.inertia_share))
-        dy[TWIST] = w - wl
-    else:
-        dy[W] = (drive - lost - load) / p.inertia
-        dy[WL] = dy[W]
-        dy[TWIST] = 0.0
-    dy[ANGLE] = turning
+    drive, lost, load = shaft(p, y, dy, ma - mb, rock, push, temperature)
     ideal = d * dp
     t_pump = ideal + p.p_share * abs(ideal)
     t_all = t_pump + p.d_charge * pc * (1.0 + p.p_share)
@@ -150,11 +122,6 @@ def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a,
     if p.f_pump_speed_droop == 1.0:
         share *= 0.6 + 0.5 * abs(share)
     dy[WP] = (p.w_pump * (engine - (p.droop + p.droop0) * share) - wp) / 0.15
-    dy[WF1] = dy[WF2] = 0.0
-    if p.speed_lag > 0.0:
-        tau = p.speed_lag if p.f_speed_sensor_lag == 0.0 else 0.5 * p.speed_lag
-        dy[WF1] = (turning - y[WF1]) / tau
-        dy[WF2] = (y[WF1] - y[WF2]) / tau
     aux[0], aux[1], aux[2], aux[3], aux[4] = load, d, case, t_all, swept
     aux[5], aux[6], aux[7] = take, leak_a + leak_b + case + flush_a + flush_b, check_a + check_b
     aux[8], aux[9], aux[10] = drive, lost, made - spill
@@ -182,22 +149,10 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engin
     integral = u = behind = inner = last = loose = 0.0
     open_a = open_b = True
     for k in range(n):
-        turning = y[WL] if p.play > 0.0 else y[W]
-        seen = turning
-        if p.speed_lag > 0.0:
-            seen = y[WF1] if p.f_speed_sensor_lag == 0.0 else y[WF2]
-        if p.miss > 0.0:
-            seen *= 1.0 - p.miss * max(abs(seen) - p.w_miss, 0.0) / (0.5 * p.w_rated)
+        seen = speed_seen(p, y)
         if k % MS_PER_TICK == 0:
             if closed:
-                error = setpoint[k] - seen - noise[k // MS_PER_TICK]
-                v = p.ff * setpoint[k] + p.kp * error + integral
-                if abs(v) < 10.0 - p.u_zero:
-                    integral += p.ki * error * 0.01
-                if setpoint[k] == 0.0 and abs(seen) < 0.02 * p.w_rated:
-                    integral *= 0.9
-                u = v + 0.95 * p.u_zero * tanh(v / 0.1)
-                u = max(-10.0, min(10.0, u))
+                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral)
             else:
                 u = manual[k]
             u = round(u * 409.6) / 409.6
@@ -218,26 +173,22 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engin
         if breakout[k] > 0.0:
             if k == 0 or breakout[k - 1] == 0.0:
                 loose = y[ANGLE]
-            hold += breakout[k] * exp(-((y[ANGLE] - loose) / 0.35) ** 2)
+            hold += stuck_thread(breakout[k], y[ANGLE] - loose)
         args = (target, hold, push[k], fluid[k], temperature[k], engine[k],
                 1.0 if open_a else 0.0, 1.0 if open_b else 0.0)
         rhs(p, y, dy[0], aux, *args)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u, y[PA], y[PB], y[PC]
-        out[k, 4], out[k, 5], out[k, 6], out[k, 7] = turning, aux[0], aux[1], y[WP]
+        out[k, 4], out[k, 5], out[k, 6], out[k, 7] = dy[0, ANGLE], aux[0], aux[1], y[WP]
         out[k, 8], out[k, 9], out[k, 10], out[k, 11] = aux[2], aux[3], y[ANGLE], seen
         out[k, 12], out[k, 13], out[k, 14], out[k, 15] = aux[4], aux[5], aux[6], aux[7]
         out[k, 16], out[k, 17], out[k, 18] = aux[8], aux[9], aux[10]
         for _ in range(PER_MS * fraction):
             rhs(p, y, dy[0], aux, *args)
-            for i in range(STATES):
-                mid[i] = y[i] + 0.5 * h * dy[0, i]
+            towards(mid, y, dy[0], 0.5 * h)
             rhs(p, mid, dy[1], aux, *args)
-            for i in range(STATES):
-                mid[i] = y[i] + 0.5 * h * dy[1, i]
+            towards(mid, y, dy[1], 0.5 * h)
             rhs(p, mid, dy[2], aux, *args)
-            for i in range(STATES):
-                mid[i] = y[i] + h * dy[2, i]
+            towards(mid, y, dy[2], h)
             rhs(p, mid, dy[3], aux, *args)
-            for i in range(STATES):
-                y[i] += h / 6.0 * (dy[0, i] + 2.0 * (dy[1, i] + dy[2, i]) + dy[3, i])
+            advance(y, dy, h)
     return out

@@ -12,14 +12,17 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from . import catalogue, circuit, readings, rigs, work
+from . import catalogue, circuit, readings, rigs, valve, work
 from ..terms import record
 
 KINDS = ('none', 'single', 'pair', 'unlisted')
-CHANCE = {'charge_pressure': 0.7, 'motor_torque': 0.75, 'pump_torque': 0.4, 'pump_speed': 0.5,
-          'pump_displacement': 0.35, 'case_drain_flow': 0.4}
+KERNEL = {'closed': circuit, 'valve': valve}
+CHANCE = {
+    'closed': {'charge_pressure': 0.7, 'motor_torque': 0.75, 'pump_torque': 0.4,
+               'pump_speed': 0.5, 'pump_displacement': 0.35, 'case_drain_flow': 0.4},
+    'valve': {'pump_outlet_pressure': 0.4, 'motor_torque': 0.8, 'case_drain_flow': 0.4}}
 # a measurement that would take the effect in
-BLIND = {'pump_speed_droop': 'pump_speed'}
+BLIND = {'pump_speed_droop': 'pump_speed', 'supply_sag': 'pump_outlet_pressure'}
 
 
 @dataclass
@@ -55,9 +58,7 @@ def draw_channels(name: str, effects: list[str], rng: np.random.Generator) -> li
     out = ['speed_setpoint', 'oil_temperature', 'line_a_pressure', 'line_b_pressure',
            'motor_speed']
     out.insert(0, 'pump_command' if name == 'closed' else 'valve_command')
-    for channel, chance in CHANCE.items():
-        if name == 'valve' and channel.startswith(('pump', 'charge')):
-            continue
+    for channel, chance in CHANCE[name].items():
         if (rng.random() < chance or channel in needed) and channel not in blind:
             out.append(channel)
     return out
@@ -117,10 +118,11 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     flat = {**catalogue.blank(), **rigs.numbers(sheet, factor, rng, detail), **value}
     flat.update({f'f_{i}': float(known[i].forms.index(one['form']))
                  for i, one in chosen.items()})
-    seen = 'pump_speed' in channels
+    seen = any(c in channels for c in ('pump_speed', 'pump_outlet_pressure'))
+    fast = 9.0 if name == 'closed' else 6.0
     flat.update(
         q_rated=scale['Q'], w_rated=scale['W'], t_rated=scale['T'], w_sign=0.008 * scale['W'],
-        ff=9.0 / scale['W'], kp=3.0 / scale['W'], ki=12.0 / scale['W'],
+        ff=fast / scale['W'], kp=fast / 3 / scale['W'], ki=1.33 * fast / scale['W'],
         droop0=(0.01 if seen else 0.0005) * detail,
         engine_torque=scale['P'] * flat.get('d_pump', 0.0) * 1.1 + 1e-9)
     if 'k_visc' not in value:
@@ -131,15 +133,16 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     for log in logs:
         here = np.random.default_rng([seed, 10 + work.LOGS.index(log)])
         n = int(round(duration * 1000))
-        do = work.commands(log, n, scale, here, flat['u_zero'])
+        do = work.commands(log, n, scale, here, flat['u_zero'], name)
         degrees = work.temperature(n, warm, here)
         fluid = work.fluidity(degrees, form.get('k_visc', 'walther'), flat['k_visc'])
         engine = work.engine(n, (0.004 if seen else 0.0003) * detail, here)
         sigma = sheet['sensors']['motor_speed']['noise_std_rpm'] * rigs.RPM * noise
         tick = here.standard_normal((n + 9) // 10) * sigma
-        out = circuit.run(record(flat), do['setpoint'], do['manual'], do['closed'], do['rock'],
-                          do['push'], fluid, degrees, engine, tick, do['breakout'], refine)
-        states = {key: out[:, i] for i, key in enumerate(circuit.OUT)}
+        out = KERNEL[name].run(record(flat), do['setpoint'], do['manual'], do['closed'],
+                               do['rock'], do['push'], fluid, degrees, engine, tick,
+                               do['breakout'], refine)
+        states = {key: out[:, i] for i, key in enumerate(KERNEL[name].OUT)}
         states.update(setpoint=do['setpoint'], temperature=degrees, noise=tick)
         measured[log] = readings.sample(states, channels, rate, sheet, value, form, here,
                                         noise)

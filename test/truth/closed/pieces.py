@@ -187,17 +187,3 @@ def contact(p, twist, rate):
     damping = 0.5 * stiff / 250.0 * min(over / (0.02 * p.play + 1e-9), 1.0)
     side = copysign(1.0, twist)
     return side * max(stiff * over + damping * rate * side, 0.0)
-
-
-@jit
-def play(half, form, u, seen, z, last):
-    """Return the command behind a play (and the inner state): play or Bouc-Wen."""
-    if half <= 0.0:
-        return u, z
-    if form == 0.0:
-        return max(u - half, min(u + half, seen)), z
-    du = u - last
-    x = abs(z) / half
-    z += du * (1.0 - x * x if du * z > 0.0 else 1.0)
-    z = max(-half, min(half, z))
-    return u - z, z

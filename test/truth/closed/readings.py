@@ -14,6 +14,7 @@ CHANNELS = {
     'speed_setpoint': ('setpoint', 'rpm', RPM, None),
     'oil_temperature': ('temperature', 'degC', 1.0, 'K'),
     'line_a_pressure': ('pa', 'bar', BAR, 'bar'), 'line_b_pressure': ('pb', 'bar', BAR, 'bar'),
+    'pump_outlet_pressure': ('ps', 'bar', BAR, 'bar'),
     'charge_pressure': ('pc', 'bar', BAR, 'bar'), 'motor_speed': ('w_seen', 'rpm', RPM, 'rpm'),
     'motor_torque': ('torque', 'N.m', 1.0, 'N_m'), 'pump_torque': ('t_pump', 'N.m', 1.0, 'N_m'),
     'pump_speed': ('w_pump', 'rpm', RPM, 'rpm'),

@@ -87,6 +87,10 @@ def draw(circuit: str, rng: np.random.Generator) -> dict:
             'check_valve_bar_per_L_min': _two(6.4 / flow),
             'flushing_L_min': round(0.06 * flow, 1) if rng.random() < 0.7 else 0}
     sheet['sensors'] = _sensors(flow, torque, pump, rng)
+    mine = ('charge_', 'pump_torque', 'pump_speed', 'pump_displacement')
+    for channel in list(sheet['sensors']):
+        if channel.startswith(mine if circuit == 'valve' else 'pump_outlet'):
+            del sheet['sensors'][channel]
     own = ({'charge', 'pump'} if circuit == 'closed' else {'valve'}) | {'motor', 'line'}
     own |= {'gear'} if geared else set()
     sheet['tolerances_1_sigma_relative'] = {
@@ -101,7 +105,8 @@ def _sensors(flow: float, torque: float, pump: float, rng: np.random.Generator) 
     nm = 0.004 * torque
     drive = RATED_PRESSURE * pump * CC
     return {
-        'line_a_pressure': pressure, 'line_b_pressure': dict(pressure), 'charge_pressure': low,
+        'line_a_pressure': pressure, 'line_b_pressure': pressure, 'charge_pressure': low,
+        'pump_outlet_pressure': pressure,
         'motor_speed': {'noise_std_rpm': rpm, 'resolution_rpm': 0.05},
         'motor_torque': {'noise_std_N_m': _two(nm), 'resolution_N_m': _two(nm / 5)},
         'pump_torque': {'noise_std_N_m': _two(0.005 * drive),
@@ -158,7 +163,7 @@ def numbers(sheet: dict, factor: dict[str, float], rng: np.random.Generator,
             k_valve=valve['rated_flow_L_min'] * L_MIN * f['valve.rated_flow']
             / (valve['rated_pressure_drop_bar'] * BAR) ** 0.5,
             p_supply=sheet['supply']['pressure_bar'] * BAR, u_zero=curve['command_V'][2],
-            lag=valve['lag_s'] * f['valve.lag'])
+            spool_play=0.02 * detail, lag=valve['lag_s'] * f['valve.lag'])
         return out
     pump, charge = sheet['pump'], sheet['charge']
     leak, relief = pump['leakage_L_min'], sheet['cross_port_relief']

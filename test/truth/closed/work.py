@@ -44,11 +44,12 @@ def _overrun(n: int, direction: np.ndarray, share: float, rng) -> np.ndarray:
 
 
 def commands(log: str, n: int, scale: dict[str, float], rng,
-             dead: float) -> dict[str, np.ndarray | bool]:
+             dead: float, circuit: str) -> dict[str, np.ndarray | bool]:
     """
     Return set point, command of the open loop, rock, signed torque, break-out and the loop.
 
     Speeds in rad/s, torques in N m, commands in V; `dead` is the dead band.
+    A valve is opened slower and less: full opening is more than rated speed.
     """
     setpoint = manual = breakout = np.zeros(n)
     push = np.zeros(n)
@@ -67,7 +68,8 @@ def commands(log: str, n: int, scale: dict[str, float], rng,
         level = rng.uniform(0.12, 0.9, 12) * rng.choice([-1, 1], 12)
         level[:4] = np.abs(level[:4]) * (1, -1, 1, -1)
         at = list(np.arange(1, 12) * n / 12000 + rng.uniform(-0.4, 0.4, 11))
-        way = _ramp(at, list(level), n, 0.05)
+        valve = circuit == 'valve'
+        way = _ramp(at, list(level), n, 0.6 if valve else 0.05) * (0.6 if valve else 1.0)
         manual = np.sign(way) * (dead + np.abs(way) * (10 - dead))
         rock = _layers(n, 0.1, 0.6, rng)
         push = _overrun(n, way, 0.5, rng)
