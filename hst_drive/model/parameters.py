@@ -29,6 +29,7 @@ SCALED: dict[str, str] = {
     'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
     'motor.leakage': 'motor_leakage_scale',
     'motor.mechanical_efficiency': 'motor_efficiency_scale',
+    'gear.efficiency': 'motor_efficiency_scale',
     'loading.pump_mechanical_efficiency': 'load_efficiency_scale',
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
