@@ -18,11 +18,13 @@ from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 import numpy as np
 
 _BLOCKS = 60            # a record is cut into so many at least
 _LONGEST = 0.5          # s; nothing is simulated, so errors have no long memory
 _ROWS = 3.0             # operating points in a block of a table
+_CIRCUIT_FINEST = 0.01  # s: every row is evaluated, and faster ones tell no more
 _TORQUE = 150.0         # N.m: usual at the drill drive, for which the catalogue has its bounds
 
 
@@ -50,6 +52,8 @@ class PartCampaign(Campaign):
               'temperature than these logs have tells them apart')
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        if rig.circuit != OPEN:
+            self.finest = _CIRCUIT_FINEST
         super().__init__(rig, runs, holdout)
         self._named = bool(holdout)
         self._still = self.errors(Model())
