@@ -26,6 +26,8 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 _SETTLES = 2.0      # s before the first row in which the actuator settles on its command
 _CHANGES = 0.3      # s before and after the lines change their parts that are not judged
 _TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
+# Of a signal's usual size: no maker's sheet tells more (ISO 4409, measurement class A: 0.5 %).
+_SHEET = 0.003
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -159,6 +161,11 @@ class CircuitReplay(PartReplay):
                    for place, _ in catalogue(everything=True)[name].terms):
             return 0.0
         return model.terms(slot, {**model.complete(channels), reads: value})
+
+    def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
+        """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
+        return {name: float(np.hypot(noise, _SHEET * self.usual(name)))
+                for name, noise in super().floor(model, seed).items()}
 
     def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
                   channels: dict[str, np.ndarray], signal: str) -> np.ndarray:
