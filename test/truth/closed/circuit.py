@@ -8,9 +8,9 @@ from math import copysign, exp, tanh
 
 import numpy as np
 
-from .common import (ANGLE, EXTRA2, MS_PER_TICK, PA, PB, PER_MS, STEP, STROKE, W, advance,
-                     controller, delayed, limited, play, shaft, speed_seen, stuck_thread, towards)
-from .pieces import (above, cross_leak, gas_capacity, line_drop, modulus, motor_flows, stroke)
+from .common import (advance, ANGLE, controller, delayed, EXTRA2, limited, MS_PER_TICK, PA, PB,
+                     PER_MS, play, shaft, speed_seen, STEP, STROKE, stuck_thread, towards, W)
+from .pieces import above, cross_leak, gas_capacity, line_drop, modulus, motor_flows, stroke
 from ..terms import jit, root
 
 PC, WP, STATES = EXTRA2 + 1, EXTRA2 + 2, EXTRA2 + 3

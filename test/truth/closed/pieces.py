@@ -14,7 +14,7 @@ ATM = 101325.0
 @jit
 def above(x, soft):
     """Return x where it is positive and 0 below, with a corner rounded over `soft`."""
-    return 0.5 * (x + sqrt(x * x + soft * soft) - soft)
+    return 0.5 * (x + sqrt(x * x + soft * soft))
 
 
 @jit
@@ -179,7 +179,7 @@ def contact(p, twist, rate):
     depth = abs(twist) - half
     stiff = p.inertia * p.inertia_share * (1.0 - p.inertia_share) * 250.0 ** 2
     if p.f_gear_backlash == 1.0:
-        over = above(depth, 0.1 * p.play)
+        over = above(depth, 0.03 * p.play)
     else:
         over = max(depth, 0.0)
     if over <= 0.0:

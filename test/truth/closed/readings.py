@@ -39,7 +39,8 @@ def ideal(channel: str, x: np.ndarray, value: dict, form: dict) -> np.ndarray:
 
 
 def sample(states: dict[str, np.ndarray], channels: list[str], rate: float, sheet: dict,
-           value: dict, form: dict, rng: np.random.Generator, noise: float) -> dict[str, np.ndarray]:
+           value: dict, form: dict, rng: np.random.Generator,
+           noise: float) -> dict[str, np.ndarray]:
     """Return the columns 'name[unit]' of a log from states per millisecond (SI)."""
     n = states['u'].size
     times = np.arange(int(n / 1000 * rate)) / rate

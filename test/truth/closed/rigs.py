@@ -32,13 +32,17 @@ def _three(x: float) -> float:
     return float(f'{x:.3g}')
 
 
-def draw(circuit: str, rng: np.random.Generator) -> dict:
-    """Return the datasheet of a rig, drawn: one of three sizes, its numbers moved a little."""
+def draw(circuit: str, rng: np.random.Generator, gear: bool = False) -> dict:
+    """
+    Return the datasheet of a rig, drawn: one of three sizes, its numbers moved a little.
+
+    With `gear` it has one; otherwise by chance, where there is one motor.
+    """
     size = list(SIZES)[int(rng.integers(3))]
     pump, rpm, lag, motor, count, ratio, inertia, charge, litres = SIZES[size]
     pump, motor = round(pump * rng.uniform(0.9, 1.1)), round(motor * rng.uniform(0.85, 1.2))
     flow = pump * rpm / 1000
-    geared = count > 1 or rng.random() < 0.6
+    geared = rng.random() < 0.6 or count > 1 or gear
     if not geared:
         motor, ratio = round(motor * ratio), 1.0
     total = motor * count * ratio
