@@ -1,6 +1,10 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compiled terms that both circuits share; `p` is the record of numbers (SI)."""
+"""
+Compiled terms that both circuits share; `p` is the record of numbers (SI).
+
+After a change here or in common.py remove __pycache__: numba looks at the caller's file alone.
+"""
 
 from __future__ import annotations
 
