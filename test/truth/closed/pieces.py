@@ -181,13 +181,13 @@ def contact(p, twist, rate):
     """Return the torque through the gear's play (N m)."""
     half = 0.5 * p.play
     depth = abs(twist) - half
-    stiff = p.inertia * p.inertia_share * (1.0 - p.inertia_share) * 250.0 ** 2
+    stiff = p.inertia * p.inertia_share * (1.0 - p.inertia_share) * 1000.0 ** 2
     if p.f_gear_backlash == 1.0:
         over = above(depth, 0.03 * p.play)
     else:
         over = max(depth, 0.0)
     if over <= 0.0:
         return 0.0
-    damping = 0.5 * stiff / 250.0 * min(over / (0.02 * p.play + 1e-9), 1.0)
+    damping = 0.5 * stiff / 1000.0 * min(over / (0.02 * p.play + 1e-9), 1.0)
     side = copysign(1.0, twist)
     return side * max(stiff * over + damping * rate * side, 0.0)
