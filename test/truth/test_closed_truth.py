@@ -13,7 +13,7 @@ pytest.importorskip('numba')
 from scipy.integrate import cumulative_trapezoid, solve_ivp  # noqa: E402
 import yaml  # noqa: E402
 
-from .closed import catalogue, circuit, make, rigs, valve  # noqa: E402
+from .closed import catalogue, circuit, make, rigs  # noqa: E402
 from .closed.common import ANGLE, PA, PB, STROKE, W  # noqa: E402
 from .closed.make import make_campaign  # noqa: E402
 from .closed.pieces import modulus  # noqa: E402
@@ -39,7 +39,7 @@ def steady(name, sheet, volts, rock=0.0, push=0.0, effects=None, forms=None, sec
     kernel = make.KERNEL[name]
     ramp = np.minimum(np.arange(n) / 1000, 1.0)
     out = kernel.run(record(flat), 0 * one, volts * one, False, rock * ramp, push * ramp,
-                     fluid * one, degrees * one, one, 0 * one, 0 * one, 1)
+                     fluid * one, degrees * one, one, 0 * one, 0 * one, flat['d_motor'] * one, 1)
     return dict(zip(kernel.OUT, out[-1])), flat
 
 
@@ -183,18 +183,18 @@ def test_another_solver_gives_the_same(name):
     kernel, full, n = make.KERNEL[name], rigs.scales(sheet)['T'], 600
     one = np.ones(n)
     out = kernel.run(p, 0 * one, 6.0 * one, False, 0.5 * full * one, 0 * one, one, 50 * one, one,
-                     0 * one, 0 * one, 1)
+                     0 * one, 0 * one, flat['d_motor'] * one, 1)
     states = dict(zip(kernel.OUT, out[-1]))
     y = np.zeros(kernel.STATES)
     dy, aux = np.zeros(kernel.STATES), np.zeros(11)
     if name == 'closed':
         y[[PA, PB, circuit.PC]], y[circuit.WP] = flat['c_set'], flat['w_pump']
         aim = circuit.stroke(round(6.0 * 409.6) / 409.6, flat['u_zero'], flat['corner'])
-        args = (aim, 0.5 * full, 0.0, 1.0, 50.0, 1.0, 1.0, 1.0)
+        args = (aim, flat['d_motor'], 0.5 * full, 0.0, 1.0, 50.0, 1.0, 1.0, 1.0)
     else:
         y[[PA, PB]] = 5e5
         behind = round(6.0 * 409.6) / 409.6 - 0.5 * flat['spool_play']
-        args = (behind, 0.5 * full, 0.0, 1.0, 50.0, flat['p_supply'])
+        args = (behind, flat['d_motor'], 0.5 * full, 0.0, 1.0, 50.0, flat['p_supply'])
 
     def rates(t, at):
         kernel.rhs(p[0], at, dy, aux, *args)
@@ -305,3 +305,15 @@ def test_written_campaign(name, tmp_path):
     truth = json.loads((tmp_path / 'two' / '0000' / 'truth.json').read_text())
     assert truth['effects']['motor_leakage'] == 0.5 and not truth['unlisted']
     assert 0.5 <= truth['effects']['viscous_drag'] <= 2
+
+
+def test_the_second_displacement_is_faster_at_the_same_flow():
+    seed = next(s for s in range(99) if 'second_displacement_cc_rev' in rigs.draw(
+        'closed', np.random.default_rng([s, 1]))['motor'])
+    c = make_campaign('closed', seed, {}, duration=12.0, logs=('drilling',), noise=0.0)
+    volts, x = c.logs['drilling']['motor_displacement_command[V]'], c.exact['drilling']
+    assert set(volts) == {0.0, 10.0}
+    first, second = (x['q_motor'][k] / x['w'][k] for k in (5000, 8000))
+    motor = c.sheet['motor']
+    assert second / first == pytest.approx(
+        motor['second_displacement_cc_rev'] / motor['displacement_cc_rev'], rel=0.1)

@@ -157,18 +157,19 @@ LOOK_ALIKE = (
     (('pump_leakage', 'cross_port_leakage'), ('charge_pressure',)),
     (('motor_orifice_leakage', 'cross_port_leakage'), ('case_drain_flow',)),
     (('swash_compliance', 'compressibility_flow'), ('pump_displacement', 'pump_torque')),
-    (('suction_starvation', 'swash_compliance', 'pump_speed_droop'), ('pump_displacement',)),
+    (('suction_starvation', 'swash_compliance', 'pump_speed_droop', 'compressibility_flow'),
+     ('pump_displacement',)),
     (('line_loss', 'viscous_drag', 'hydrodynamic_drag'), ()),
     (('pressure_sensor_bias', 'constant_torque'), ()),
     (('gearbox_loss', 'torque_sensor_scale'), ()),
 )
 
 
-def look_alikes(ident: str, channels: list[str]) -> list[str]:
+def look_alikes(circuit: str, ident: str, channels: list[str]) -> list[str]:
     """Return what the maker would accept beside `ident` where these channels are measured."""
     found = {other for group, separate in LOOK_ALIKE if ident in group
              and not set(separate) & set(channels) for other in group}
-    return sorted(found - {ident})
+    return sorted((found - {ident}) & set(LISTED[circuit]))
 
 
 def blank() -> dict[str, float]:

@@ -133,6 +133,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     rng = np.random.default_rng([seed, 4])
     factor = rigs.scatter(sheet, rng, on_datasheet)
     channels = channels or draw_channels(name, list(effects), np.random.default_rng([seed, 5]))
+    if 'second_displacement_cc_rev' in sheet['motor']:
+        channels = [*channels, 'motor_displacement_command']
     known = {**catalogue.LISTED[name], **catalogue.OUTSIDE[name]}
     warm = any(known[i].warm for i in effects)
     value = {k: v for one in chosen.values() for k, v in one['si_parameters'].items()}
@@ -147,17 +149,19 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     for log in logs:
         here = np.random.default_rng([seed, 10 + work.LOGS.index(log)])
         n = int(round(duration * 1000))
-        do = work.commands(log, n, scale, here, flat['u_zero'], name)
+        do = work.commands(log, n, scale, here, flat['u_zero'], name, flat['d_second'] > 0)
         degrees = work.temperature(n, warm, here)
         fluid = work.fluidity(degrees, form.get('k_visc', 'walther'), flat['k_visc'])
         engine = work.engine(n, (0.004 if seen else 0.0003) * detail, here)
         sigma = sheet['sensors']['motor_speed']['noise_std_rpm'] * rigs.RPM * noise
         tick = here.standard_normal((n + 9) // 10) * sigma
+        d_motor = flat['d_motor'] + (flat['d_second'] - flat['d_motor']) * work.switched(
+            do['small'])
         out = KERNEL[name].run(record(flat), do['setpoint'], do['manual'], do['closed'],
                                do['rock'], do['push'], fluid, degrees, engine, tick,
-                               do['breakout'], refine)
+                               do['breakout'], d_motor, refine)
         states = {key: out[:, i] for i, key in enumerate(KERNEL[name].OUT)}
-        states.update(setpoint=do['setpoint'], temperature=degrees, noise=tick)
+        states.update(setpoint=do['setpoint'], small=do['small'], temperature=degrees, noise=tick)
         measured[log] = readings.sample(states, channels, rate, sheet, value, form, here,
                                         noise)
         exact[log] = states
@@ -170,7 +174,7 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         'depends_on': {i: one['depends_on'] for i, one in chosen.items()},
         'seed': seed, 'circuit': name, 'sizes': effects,
         'forms': {i: one['form'] for i, one in chosen.items()}, 'si_parameters': value,
-        'look_alikes': {i: catalogue.look_alikes(i, channels) for i in chosen},
+        'look_alikes': {i: catalogue.look_alikes(name, i, channels) for i in chosen},
         'scatter': factor, 'unit_on_datasheet': on_datasheet, 'detail': detail,
         'rate_hz': rate, 'channels': channels, 'oil_temperature_degC': heat}
     return Campaign(measured, truth, sheet, exact)

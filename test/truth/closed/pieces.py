@@ -80,14 +80,14 @@ def gaps(p, dp, w, fluid):
 
 
 @jit
-def motor_flows(p, pa, pb, w, fluid):
+def motor_flows(p, pa, pb, w, fluid, d_motor):
     """
     Return what the motors take from line A, give to line B, and drain to the case.
 
     The leakage of the sheet is split: `case_share` leaves each line for the case, the rest
     goes from line to line.
     """
-    swept = p.per_turn * p.d_motor * w
+    swept = p.per_turn * d_motor * w
     across = p.count * (1.0 - p.case_share) * gaps(p, pa - pb, w, fluid)
     case_a = p.count * p.case_share * gaps(p, pa, w, fluid)
     case_b = p.count * p.case_share * gaps(p, pb, w, fluid)
@@ -122,11 +122,11 @@ def sign(p, w):
 
 
 @jit
-def shaft_torque(p, dp, w):
+def shaft_torque(p, dp, w, d_motor):
     """Return the torque of the motors behind the gear, after their and the gear's losses."""
     turn = sign(p, w)
     w_motor = w * p.ratio
-    ideal = p.d_motor * dp
+    ideal = d_motor * dp
     one = ideal - turn * (p.m_coul + p.m_share * abs(ideal)) - p.m_visc * w_motor
     loss = 1.0 - p.gear_eta
     if p.gear_loss > 0.0:

@@ -11,6 +11,7 @@ from .rigs import BAR, CC, L_MIN, RPM
 # channel: column of the states, unit in the header, its size in SI, unit in the key of the noise
 CHANNELS = {
     'pump_command': ('u', 'V', 1.0, None), 'valve_command': ('u', 'V', 1.0, None),
+    'motor_displacement_command': ('small', 'V', 1.0, None),
     'speed_setpoint': ('setpoint', 'rpm', RPM, None),
     'oil_temperature': ('temperature', 'degC', 1.0, 'K'),
     'line_a_pressure': ('pa', 'bar', BAR, 'bar'), 'line_b_pressure': ('pb', 'bar', BAR, 'bar'),

@@ -97,6 +97,8 @@ def draw(circuit: str, rng: np.random.Generator, gear: bool = False) -> dict:
             del sheet['sensors'][channel]
     own = ({'charge', 'pump'} if circuit == 'closed' else {'valve'}) | {'motor', 'line'}
     own |= {'gear'} if geared else set()
+    if rng.random() < 0.2:
+        sheet['motor']['second_displacement_cc_rev'] = round(motor / 2)
     sheet['tolerances_1_sigma_relative'] = {
         k: v for k, v in TOLERANCES.items() if k.split('.')[0] in own}
     return sheet
@@ -146,6 +148,8 @@ def numbers(sheet: dict, factor: dict[str, float], rng: np.random.Generator,
     better = f['motor.mechanical_efficiency']
     out = {
         'd_motor': motor['displacement_cc_rev'] * CC * f['motor.displacement'],
+        'd_second': motor.get('second_displacement_cc_rev', 0.0) * CC
+        * f['motor.displacement'],
         'count': count, 'ratio': ratio, 'per_turn': count * ratio,
         'gear_eta': min(gear.get('efficiency', 1.0) * f['gear.efficiency'], 1.0),
         'inertia': motor['inertia_total_kg_m2'] * f['motor.inertia'],
