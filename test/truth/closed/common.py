@@ -17,10 +17,10 @@ PA, PB, W, WL, TWIST, ANGLE, WF1, WF2, PILOT, STROKE, EXTRA1, EXTRA2 = range(12)
 
 
 @jit
-def shaft(p, y, dy, dp, rock, push, temperature):
+def shaft(p, y, dy, dp, d_motor, rock, push, temperature):
     """Write the derivatives of shaft and speed sensor; return torques: drive, lost, load."""
     w, wl = y[W], y[WL]
-    drive = shaft_torque(p, dp, w)
+    drive = shaft_torque(p, dp, w, d_motor)
     lost = drag(p, w, drive, y[ANGLE], temperature)
     turning = wl if p.play > 0.0 else w
     load = rock * sign(p, turning) + push
