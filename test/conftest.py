@@ -59,9 +59,9 @@ MARKERS = {
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
 # Tests in real time: nodes as processes, a browser. They run one after the other, beside others.
-REAL_TIME = ('nodes/', 'fleet/test_run.py', 'cli/test_demo.py', 'cli/test_main.py', 'test_launch.py',
-             'test_tutorial.py', 'test_site.py', 'workbench/test_in_browser.py',
-             'report/test_page_in_browser.py')
+REAL_TIME = ('nodes/', 'fleet/test_run.py', 'cli/test_demo.py', 'cli/test_main.py',
+             'test_launch.py', 'test_tutorial.py', 'test_site.py',
+             'workbench/test_in_browser.py', 'report/test_page_in_browser.py')
 
 
 def pytest_addoption(parser):
