@@ -58,10 +58,8 @@ MARKERS = {
 }
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
-# Tests in real time: nodes as processes, a browser. They run one after the other, beside others.
-REAL_TIME = ('nodes/', 'fleet/test_run.py', 'cli/test_demo.py', 'cli/test_main.py',
-             'test_launch.py', 'test_tutorial.py', 'test_site.py',
-             'workbench/test_in_browser.py', 'report/test_page_in_browser.py')
+# Tests whose nodes run as processes. They run one after the other, beside others.
+REAL_TIME = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_tutorial.py')
 
 
 def pytest_addoption(parser):
@@ -104,7 +102,7 @@ def pytest_xdist_make_scheduler(config, log):
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
             path = nodeid.partition('::')[0]
-            return 'real time' if path.removeprefix('test/').startswith(REAL_TIME) else path
+            return 'nodes' if path.removeprefix('test/').startswith(REAL_TIME) else path
 
     return ByFile(config, log)
 
