@@ -22,6 +22,7 @@ from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from hst_drive.nodes.session import PARENT
 from hst_drive.nodes.steady_timers import steady_timers
+from hst_drive.nodes.watchdog import watched
 import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -212,6 +213,7 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     instead starves EventsExecutor's messages.) Without a timeout it never runs a callback.
     """
     def look() -> None:
+        watchdog.turned()
         # Only while Python code runs, as here, is the handler of a signal called.
         if (signals or node.gather) and not node.stopped.done():
             node.stopped.set_result(None)
@@ -220,7 +222,7 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     gc.collect()
     gc.freeze()
     node.create_timer(_TURN, look, clock=node.wall)
-    with steady_timers(node, node.wall):
+    with steady_timers(node, node.wall), watched(node, executor, _work) as watchdog:
         while rclpy.ok() and node.exit_code is None and not signals:
             # Each time a new one, as a call leaves something hanging on it.
             node.stopped = Future()
