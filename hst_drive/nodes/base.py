@@ -34,8 +34,7 @@ from rclpy.utilities import remove_ros_args
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 _AGAIN = 0.5    # s; from one word that we are ready to the next
-_TURN = 0.1     # s; how soon a signal is seen while no message comes
-_CALL = 60.0    # s; of one call of the executor
+_TURN, _CALL = 0.1, 60.0    # s; how soon a signal is seen, and one call of the executor
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 _LONGEST_END = 20.0    # s; nor may the middleware
 
@@ -179,9 +178,9 @@ class DriveNode(Node):
 def _executor():
     try:
         from rclpy.experimental.events_executor import EventsExecutor
-        return EventsExecutor()
     except ImportError:
         return SingleThreadedExecutor()
+    return EventsExecutor()
 
 
 def _is_managed(args: list[str], node_class: type[DriveNode]) -> bool:
