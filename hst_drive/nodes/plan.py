@@ -19,6 +19,7 @@ from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.settings import effect_texts, parse_effects
 from hst_drive.rig import default_rig, load_rig, Rig
 
+_NONE = -100.0  # V; no first command
 _LEAST = 3      # priority of the plant, so that controller and others lie below it
 
 
@@ -169,11 +170,11 @@ def _refuse_unwritable(folder: Path) -> None:
 
 
 def _start(rig: Rig, effects, scenario: Scenario) -> tuple[float, float, float]:
-    """Return speed (rad/s), PPRV command and pump command (V; -1: none) to start with."""
+    """Return speed (rad/s), PPRV command and pump command (V) to start with."""
     rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
                 purpose='a run of the nodes')
     if scenario.start == 'rest':
-        return 0.0, 0.0, -1.0
+        return 0.0, 0.0, _NONE
     speed, command = scenario.speed_setpoint(0.0), scenario.load.pprv_command(0.0)
     point = operating_point(Drive(rig, effects), speed, pprv_command=command)
     return float(speed), float(command), float(point.pump_command)
