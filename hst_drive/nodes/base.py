@@ -84,7 +84,8 @@ class DriveNode(Node):
                    for name, output in self.outputs.items()]
         self.answers = sync.Answers(self.sync, lambda: {
             name: output.published for name, output in outputs})
-        self.taken = self.taken or wiring.recorded(self.partners)
+        self.taken = self.taken or wiring.recorded(
+            self.partners, circuit=self.settings['circuit'])
         self._tell_unused(of_topics=True)
         self._waited, self._found = 0.0, False
         self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self.wall)
