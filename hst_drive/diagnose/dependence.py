@@ -31,6 +31,8 @@ SCALES: dict[str, tuple[float, float, str]] = {
     'oil_temperature': (WARMTH, REFERENCE, 'warmth'), 'pump_command': (1.0, 0.0, 'pump'),
     'pprv_command': (1.0, 0.0, 'pprv'), 'load_torque': (TORQUE, 0.0, 'torque'),
     'motor_inlet_flow': (FLOW, 0.0, 'flow'), 'pump_speed': (100.0, 0.0, ''),
+    'line_a_pressure': (PRESSURE, 0.0, ''), 'line_b_pressure': (PRESSURE, 0.0, ''),
+    'valve_command': (1.0, 0.0, ''),
 }
 STATIC = {**{name: entry[2] for name, entry in SCALES.items() if entry[2]},
           'motor_angle_cos': 'cosine', 'motor_angle_sin': 'sine'}

@@ -12,8 +12,10 @@ from hst_drive.diagnose.observable import unread
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.base import DRILLING_SPEED
 from hst_drive.measure.balances import is_part, TORQUES
+from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
+from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -72,10 +74,10 @@ class PartCampaign(Campaign):
         return False
 
     def _model(self) -> PartModel:
-        return PartModel(self.rig)
+        return part_model(self.rig)
 
     def _replay(self, run: Run) -> PartReplay:
-        return PartReplay(run, self.drive)
+        return part_replay(run, self.drive)
 
     @staticmethod
     def _usable(replay: PartReplay) -> np.ndarray:
@@ -117,7 +119,7 @@ class PartCampaign(Campaign):
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
-        return PartModel(self.rig, model.effects, {
+        return self.drive.changed(model.effects, {
             key: float(np.exp(value)) for key, value in model.factors.items()})
 
     def out_of_reach(self, name: str) -> str:

@@ -18,13 +18,16 @@ from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import AT_NOISE
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.errors import InputError
+from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
+from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
 _QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
+_LINES = ('line_a_pressure', 'line_b_pressure')
 _PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
 _LOAD = ('pprv_command', 'motor_speed', 'oil_temperature', 'load_torque', *_ANGLE,
@@ -117,10 +120,23 @@ def _parts(campaign: PartCampaign) -> list[Place]:
     found = {}
     for replay in campaign.replays:
         for signal, balance in replay.balances.items():
+            if isinstance(replay, CircuitReplay):
+                found[signal] = _of_circuit(campaign, replay.place(balance))
+                continue
             name, enters, unit, reads, formula, sign = known[balance]
             found[signal] = Place(name, enters, signal, unit, {signal: 1.0 / sign}, reads,
                                   formula, balance, sign)
     return list(found.values())
+
+
+def _of_circuit(campaign: PartCampaign, balance: Balance) -> Place:
+    """Return the place of a circuit's balance."""
+    reads = {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
+             'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}
+    sign = campaign.drive.parameter(balance.per) if balance.per else 1.0
+    return Place(balance.place, balance.enters, balance.signal, balance.unit,
+                 {balance.signal: 1.0 / sign}, reads.get(balance.enters, _PUMP), balance.formula,
+                 balance.name, sign)
 
 
 def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]:

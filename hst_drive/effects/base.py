@@ -41,11 +41,15 @@ SLOTS: dict[str, Slot] = {
     'pump_stroke_asymmetry': Slot('pump actuator', '1', 'how much faster up than on average'),
     'pump_yield': Slot('pump actuator', 'm^3/rad', 'taken from the displacement that the command '
                        'asks for'),
+    'valve_command': Slot('pump actuator', 'V', 'added to the command of the valve'),
+    'valve_lag': Slot('pump actuator', 's', "added to the valve's lag"),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
     'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
     'pump_torque_loss': Slot('torque', 'N.m', 'torque at the pump shaft beyond its sheet'),
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
+    'cross_port_flow': Slot('flow', 'm^3/s', 'passes from the high line to the low one'),
+    'charge_pressure': Slot('flow', 'Pa', 'taken from the pressure of the charge relief'),
     'compliance': Slot('flow', '1/Pa', 'added to the compressibility of the oil'),
     'line_inertance': Slot('flow', 'Pa.s^2/m^3', "mass of the line's oil over its area squared"),
     'line_far_share': Slot('flow', '1', f"added to the share of the line's volume ({USUAL_FAR}) "
@@ -57,6 +61,8 @@ SLOTS: dict[str, Slot] = {
     'back_pressure': Slot('torque', 'Pa', 'pressure at the hydromotor outlet'),
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
+    'gear_twist': Slot('torque', 'rad/(N.m)', 'turn of the hydromotor against the shaft behind '
+                       'its gear, per torque'),
     'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
     'shaft_load_share': Slot('torque', '1', f'added to the share of the inertia ({USUAL_SHARE}) '
                              'that lies behind a flexible shaft'),
@@ -80,18 +86,24 @@ READABLE: dict[str, str] = {
     'motor_displacement': 'm^3/rad', 'efficiency': '1',
     'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa',
     'oil_density': 'kg/m^3', 'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K',
-    'nominal_speed': 'rad/s',
+    'nominal_speed': 'rad/s', 'rated_pressure': 'Pa', 'cross_port_pressure': 'Pa',
+    'valve_command': 'V',
 }
 
 # What is known where a slot lies: the equations are evaluated in order.
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'efficiency'}
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'efficiency',
+                                   'valve_command'}
 _KNOWN: dict[str, frozenset[str]] = {
     'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
     'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
     'back_pressure': _BALANCES | {'pump_speed'},
+    'cross_port_flow': _BALANCES | {'pump_speed'},
+    'charge_pressure': frozenset({'pump_speed', 'oil_temperature', 'viscosity_ratio'}),
+    'gear_twist': frozenset({'pressure', 'motor_displacement'}),
+    **dict.fromkeys(('valve_command', 'valve_lag'), frozenset({'valve_command'})),
     'pump_torque_loss': _COMMANDS | {'pump_speed'},
     'motor_torque_loss': frozenset(READABLE), 'motor_torque': frozenset(READABLE),
     **dict.fromkeys(('shaft_compliance', 'shaft_damping_time'), frozenset({'twist'})),

@@ -8,9 +8,9 @@ The slip is stated at full pump torque: largest displacement at the relief valve
 from hst_drive.effects.base import Effect, Parameter
 
 
-def slip(displacement, pump_pressure, max_displacement, relief_pressure, nominal_speed, droop):
+def slip(displacement, pump_pressure, max_displacement, rated_pressure, nominal_speed, droop):
     """Return the change of the pump shaft speed, rad/s."""
-    load = displacement * pump_pressure / (max_displacement * relief_pressure)
+    load = displacement * pump_pressure / (max_displacement * rated_pressure)
     return -droop * nominal_speed * load
 
 

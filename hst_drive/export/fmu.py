@@ -19,7 +19,7 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity
 from hst_drive.export.c_source import Array, translate
 from hst_drive.model import Drive
-from hst_drive.model.compose import generate, OUTPUTS, python_of, STATES
+from hst_drive.model.compose import generate_drive, OUTPUTS, python_of, STATES
 from hst_drive.model.parameters import NAMES, SCALED
 from hst_drive.rig.schema import FACTORS, OIL_TEMPERATURES
 from hst_drive.units import to_si
@@ -57,7 +57,7 @@ def unit_of(drive: Drive) -> Unit:
 
 def _source(drive: Drive) -> str:
     effects = {name: catalogue(everything=True)[name] for name in drive.effects}
-    text, places, flags, slots, size = generate(effects)
+    text, places, flags, slots, size = generate_drive(effects)
     numbers = np.zeros(size)
     numbers[:len(NAMES)] = drive.parameters[:len(NAMES)]
     for key, place in places.items():

@@ -140,7 +140,7 @@ def is_part(run: Run, rig: Rig) -> bool:
     and closes a balance without it.
     """
     if not rig.whole:
-        return True
+        return True     # so are all circuits but the open one
     return not {'pump_command', 'pprv_command'} <= set(run.channels) and bool(closed(run, rig))
 
 

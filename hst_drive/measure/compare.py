@@ -10,6 +10,7 @@ from typing import NamedTuple, Sequence
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
+from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.errors import ErrorSummary, summarise
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
@@ -21,6 +22,7 @@ from hst_drive.measure.useful import (missing_rows, refuse_starved, refuse_still
                                       refuse_unjudged)
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
+from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -86,7 +88,7 @@ class Comparison(NamedTuple):
 
 def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
     """Return the model that the logs can be compared with: the whole drive or a part of it."""
-    return PartModel(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
+    return part_model(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
 
 
 def compare(drive: Drive | PartModel, runs: Sequence[Run], *,
@@ -212,7 +214,7 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
     The stamps of the readings stay. The slope tells a long delay too short: look again.
     """
     if isinstance(drive, PartModel):
-        part = PartReplay(run, drive)
+        part = part_replay(run, drive)
         return _Aligned(part, 0.0, dict(part.predict(drive).signals), part.floor(drive))
     first = last = _replayed(run, drive, count, 0.0)
     power = []

@@ -71,10 +71,10 @@ class PartReplay:
 
     """
 
+    pressures: tuple[str, ...] = PRESSURES
+
     def __init__(self, run: Run, model: PartModel):
-        self.balances = closed(run, model.rig)
-        if not self.balances:
-            raise InputError(what_would_close(run, model.rig))
+        self.balances = self._closed(run, model)
         if len(run) < _LEAST_ROWS:
             raise InputError(f'{run.source}: {len(run)} rows, expected at least {_LEAST_ROWS} to '
                              'judge a balance; record more operating points')
@@ -115,6 +115,13 @@ class PartReplay:
         if 'motor_angle' in self.inputs:
             into_step(self, model)
 
+    def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
+        """Return which balance predicts each signal; raise InputError if none does."""
+        found = closed(run, model.rig)
+        if not found:
+            raise InputError(what_would_close(run, model.rig))
+        return found
+
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
         return next((float(np.percentile(np.abs(self._channels[name]), _USUAL))
@@ -134,7 +141,7 @@ class PartReplay:
     def even(self) -> np.ndarray:
         """Smooth functions of the operating point that take no notice of a direction, (n, k)."""
         found = [np.ones(len(self.run))]
-        for name in (*PRESSURES, 'motor_speed'):
+        for name in (*self.pressures, 'motor_speed'):
             if name in self._channels:
                 size = np.abs(self._channels[name]) / (self.usual(name) or 1.0)
                 found += [size, size**2]
@@ -216,14 +223,18 @@ class PartReplay:
         """Return what the prediction is compared with; NaN where it is not known."""
         values = self._smooth(self._channels[name], name)
         spread = int(np.ceil(3 * self._widths[name]))
-        unknown = self._missing
-        if self.balances[name] in ('hydromotor torque', 'mass'):
-            unknown = unknown | (np.abs(self._channels['motor_speed']) <= self._creeping)
+        unknown = self._missing | self._unjudged(name)
         missing = unknown | (self._smooth(unknown, name) > _UNKNOWN)
         missing[:spread] = True
         missing[len(missing) - spread:] = True
         values[missing] = np.nan
         return values
+
+    def _unjudged(self, name: str) -> np.ndarray | bool:
+        """Say in which rows a signal cannot be predicted."""
+        if self.balances[name] not in ('hydromotor torque', 'mass'):
+            return False
+        return np.abs(self._channels['motor_speed']) <= self._creeping
 
     def predict(self, model: PartModel, extra: dict[str, np.ndarray] | None = None) -> Prediction:
         """

@@ -55,6 +55,11 @@ CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
     Channel('motor_torque', 'N.m', 'linear', 'hydromotor shaft torque'),
     Channel('pump_torque', 'N.m', 'linear', 'pump shaft torque'),
     Channel('pump_power', 'kW', 'linear', 'pump shaft power'),
+    Channel('line_a_pressure', 'bar', 'linear', 'pressure of line A'),
+    Channel('line_b_pressure', 'bar', 'linear', 'pressure of line B'),
+    Channel('charge_pressure', 'bar', 'linear', 'charge pressure'),
+    Channel('valve_command', 'V', 'zero', 'valve command'),
+    Channel('motor_displacement_command', 'V', 'zero', 'hydromotor displacement command'),
 )}
 
 

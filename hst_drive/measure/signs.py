@@ -13,8 +13,9 @@ from dataclasses import replace
 from typing import Iterator
 
 from hst_drive.measure.balances import PRESSURES, TORQUES
-from hst_drive.measure.part import PartReplay
+from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.run import Run
+from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -35,7 +36,7 @@ _BRAKES = 0.98      # of the rows
 
 def swapped(rig: Rig, run: Run) -> str:
     """Return a line for the channel whose sign contradicts the others; empty without one."""
-    model, run = PartModel(rig), run.slower(_SLOWER)
+    model, run = part_model(rig), run.slower(_SLOWER)
     before = _left(run, model)
     if before < _TOLD:
         return ''
@@ -77,7 +78,7 @@ def _left(run: Run, model: PartModel, faulty: bool = False) -> float:
 
     ``faulty``: with the zero and the scale of a torque free.
     """
-    replay = PartReplay(run, model)
+    replay = part_replay(run, model)
     predicted, worst = replay.predict(model).signals, 0.0
     for name, balance in replay.balances.items():
         rows = replay.counted(name)

@@ -10,6 +10,7 @@ in the user's cache folder.
 """
 from __future__ import annotations
 
+import ast
 from functools import lru_cache
 import hashlib
 import importlib.util
@@ -20,7 +21,7 @@ from pathlib import Path
 import sys
 import tempfile
 import types
-from typing import Callable, NamedTuple
+from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, edition, Effect
 from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, \
@@ -60,13 +61,19 @@ STATES: tuple[str, ...] = (
     'wide_play', 'pilot_aim', 'late_speed_reading', 'line_flow', 'far_pressure')
 
 
+# Which functions of the text are put into their callers, and which others only it calls.
+INLINE = ('interpolate', 'interpolate2', 'smooth_sign', 'load_model', 'shaft', 'balances',
+          'derivatives')
+INSIDE = ('find', 'played', 'twist_under')
+
+
 class Kernel(NamedTuple):
     """
     The running code and how its vectors are laid out.
 
     ``places`` maps (effect id, parameter) to its place behind the baseline's parameters;
     ``flags`` maps an effect id to its switch, ``slots`` a slot to the switch that any of its
-    effects sets.
+    effects sets. ``usable`` are the effects whose first term the equations have.
     """
 
     simulate: Callable
@@ -77,6 +84,7 @@ class Kernel(NamedTuple):
     size: int
     source: str
     compiled: bool
+    usable: frozenset[str]
 
 
 def have_numba() -> bool:
@@ -84,25 +92,44 @@ def have_numba() -> bool:
     return importlib.util.find_spec('numba') is not None
 
 
-def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
-    """Return source text, places of parameters, flags of effects and slots, vector's length."""
+def generate_drive(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
+    """Return ``generate`` of the open circuit's text."""
+    return generate(effects, inspect.getsource(kernel_template), NAMES, TABLES)
+
+
+def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
+             tables: Sequence[str]) -> tuple[str, dict, dict, dict, int]:
+    """
+    Return source text, places of parameters, flags of effects and slots, vector's length.
+
+    Parameters
+    ----------
+    effects : dict of str to Effect
+        A term that reads what the text does not know where its slot lies is left out.
+    template : str
+        The equations, from ``import math`` on.
+    names, tables : sequence of str
+        Numbers and tables that they use, as ``P_name`` and ``T_NAME``.
+
+    """
     places, flags = {}, {}
-    size = len(NAMES)
+    size = len(names)
     for index, effect in enumerate(effects.values()):
         flags[effect.id] = index
         for parameter in effect.parameters:
             places[effect.id, parameter.name] = size
             size += 1
-    constants = {f'P_{name}': index for index, name in enumerate(NAMES)}
-    constants.update({f'T_{name}': index for index, name in enumerate(TABLES)})
+    constants = {f'P_{name}': index for index, name in enumerate(names)}
+    constants.update({f'T_{name}': index for index, name in enumerate(tables)})
     constants.update(CONSTANTS)
     slots = {slot: index for index, slot in enumerate(SLOTS, len(flags))}
     constants.update({f'SLOT_{slot}': index for slot, index in slots.items()})
     lines = [f'{name} = {value!r}' for name, value in constants.items()]
-    template = inspect.getsource(kernel_template).splitlines()
-    head = template.index('import math') + 1
+    text = template.splitlines()
+    head = text.index('import math') + 1
+    known = _known(template)
     body = []
-    for line in template[head:]:
+    for number, line in enumerate(text[head:], head + 1):
         body.append(line)
         mark = line.strip()
         if not mark.startswith('# slot '):
@@ -113,16 +140,42 @@ def generate(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
         # A slot's own switch spares a look at each of its effects.
         body.append(f'{indent}if on[SLOT_{slot}]:')
         for name, effect, place, function in _terms(effects):
-            if place == slot:
-                call = ', '.join(f'p[{places[effect.id, argument]}]'
-                                 if (effect.id, argument) in places else argument
-                                 for argument in arguments(function))
+            if place == slot and (call := _call(effect, function, places, known[number])):
                 body += [f'{indent}    if on[{flags[effect.id]}]:',
                          f'{indent}        {variable} += {name}({call})']
         body.append(f'{indent}    pass')
-    text = '\n'.join(['# Generated from kernel_template.py and the catalogue of effects.',
-                      *template[:head], '', *lines, '', *body, ''])
+    text = '\n'.join(['# Generated from the equations and the catalogue of effects.',
+                      *text[:head], '', *lines, '', *body, ''])
     return text, places, flags, slots, size
+
+
+def _call(effect: Effect, function: Callable, places: dict, known: set[str]) -> str:
+    """Return what an effect's function is called with; empty if it reads what is not known."""
+    words = []
+    for argument in arguments(function):
+        if (effect.id, argument) in places:
+            words.append(f'p[{places[effect.id, argument]}]')
+        elif argument in known:
+            words.append(argument)
+        elif effect.searched == 'never':
+            words.append('0.0')     # a formula names all that it could read
+        else:
+            return ''
+    return ', '.join(words)
+
+
+def _known(template: str) -> dict[int, set[str]]:
+    """Return the names that are known at the line of each slot."""
+    found = {}
+    for function in ast.parse(template).body:
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        names = [(0, argument.arg) for argument in function.args.args]
+        names += [(node.lineno, node.id) for node in ast.walk(function)
+                  if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
+        for line in range(function.lineno, function.end_lineno + 1):
+            found[line] = {name for at, name in names if at < line}
+    return found
 
 
 def _terms(effects: dict[str, Effect]) -> list[tuple[str, Effect, str, Callable]]:
@@ -150,14 +203,32 @@ def kernel(compiled: bool | None = None) -> Kernel:
 @lru_cache(maxsize=4)
 def _kernel(compiled: bool, _: int) -> Kernel:
     effects = catalogue(everything=True)
-    text, places, flags, slots, size = generate(effects)
-    module = _compiled(text, effects) if compiled else _plain(text, effects)
+    text, places, flags, slots, size = generate_drive(effects)
+    module = running(text, effects, compiled, INLINE, INSIDE, ('load_record', 'simulate'))
     return Kernel(module.simulate, module.load_record, places, flags, slots, size, text,
-                  compiled)
+                  compiled, usable(text, effects))
+
+
+def usable(text: str, effects: dict[str, Effect]) -> frozenset[str]:
+    """Return the effects whose first term a generated text has."""
+    return frozenset(name for name in effects if f'effect_{name}(' in text)
+
+
+def running(text: str, effects: dict[str, Effect], compiled: bool, inline: Sequence[str],
+            inside: Sequence[str], called: Sequence[str]) -> types.ModuleType:
+    """
+    Return a generated text as a module.
+
+    ``inline`` and ``inside`` are the functions that only others of the text call, the first put
+    into their callers; ``called`` those that are called from Python.
+    """
+    if not compiled:
+        return _plain(text, effects)
+    return _compiled(text, effects, inline, inside, called)
 
 
 def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
-    name = 'hst_drive_kernel_plain'
+    name = f'hst_drive_kernel_{hashlib.sha256(text.encode()).hexdigest()[:8]}'
     module = types.ModuleType(name)
     module.__dict__.update({key: function for key, _, _, function in _terms(effects)})
     filename = f'<{name}>'
@@ -180,27 +251,25 @@ def cache_folder() -> Path:
     return folder
 
 
-def _compiled(text: str, effects: dict[str, Effect]) -> types.ModuleType:
+def _compiled(text: str, effects: dict[str, Effect], inline: Sequence[str],
+              inside: Sequence[str], called: Sequence[str]) -> types.ModuleType:
     """Write the code with its effects into one file and import that, so that numba can cache."""
     import numba
     from numba.core.options import DefaultOptions
 
     parts = ['import numba', '', python_of(text, effects)]
-    terms = _terms(effects)
     # Inlined, the inner functions cost half: a call hands over some forty words.
-    inline = (*(key for key, _, _, _ in terms), 'interpolate', 'interpolate2', 'smooth_sign',
-              'load_model', 'shaft', 'balances', 'derivatives')
+    inline = (*(key for key, _, _, _ in _terms(effects)), *inline)
     usual = 'nogil=True, error_model="numpy"'
     if hasattr(DefaultOptions, '_nrt'):
         # References to arrays are counted in each branch, which took half of the time; nothing
         # here makes an array. The option is not documented, so it may go.
         usual += ', _nrt=False'
     # What only compiled code calls needs neither a wrapper nor a file: that halves compilation.
-    inside = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
-    parts += [f'{name} = numba.njit({inside}{name in inline})({name})'
-              for name in (*inline, 'find', 'played', 'twist_under')]
-    parts += [f'{name} = numba.njit(cache=True, {usual})({name})'
-              for name in ('load_record', 'simulate')]
+    within = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
+    parts += [f'{name} = numba.njit({within}{name in inline})({name})'
+              for name in (*inline, *inside)]
+    parts += [f'{name} = numba.njit(cache=True, {usual})({name})' for name in called]
     source = '\n\n'.join(parts) + '\n'
     digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]
     name = f'hst_drive_kernel_{digest}'

@@ -208,7 +208,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     bulk_modulus = p[P_bulk_modulus]
     line_volume = p[P_volume]
     oil_density = p[P_oil_density]
-    relief_pressure = p[P_relief_set_pressure]
+    relief_pressure = rated_pressure = p[P_relief_set_pressure]
     pistons = p[P_pistons]
     characterised_at = p[P_characterised_at]
     nominal_speed = p[P_pump_shaft_speed]

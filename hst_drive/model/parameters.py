@@ -9,6 +9,7 @@ What a unit of the same make may differ in (``rig.tolerances``) is a factor on o
 from __future__ import annotations
 
 import math
+from typing import Sequence
 
 from hst_drive.rig import Curve, Rig, Surface
 from hst_drive.rig.rig import WHOLE
@@ -88,8 +89,12 @@ def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
 
     """
     pump, motor, loading = rig.pump, rig.motor, rig.loading
-    tables = (pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
-              loading.pump_mechanical_efficiency, loading.pprv_pressure)
+    return cells_of((pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
+                     loading.pump_mechanical_efficiency, loading.pprv_pressure))
+
+
+def cells_of(tables: Sequence[Curve | Surface]) -> tuple[np.ndarray, np.ndarray]:
+    """Return tables as ``baseline_tables`` does, rows in their order."""
     cells, layout, end = [], [], 0
     for table in tables:
         found = _cells(table)

@@ -52,11 +52,8 @@ class PartModel:
     def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
                  factors: Mapping[str, float] | None = None):
         self.rig = rig
-        self.effects = {name: check_effect(rig, name, values)
-                        for name, values in {**rig.effects, **(effects or {})}.items()}
-        self.factors = dict(rig.calibration)
-        for key, value in (factors or {}).items():
-            self.factors[key] = self.factors.get(key, 1.0) * value
+        chosen = self.changed(effects or {}, factors or {})
+        self.effects, self.factors = chosen.effects, chosen.factors
         if rig.line is not None and rig.line.oil_grade not in (*GRADES, ''):
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
@@ -66,6 +63,21 @@ class PartModel:
         changed = copy.copy(self)
         changed.effects = {**self.effects, name: check_effect(self.rig, name, values)}
         return changed
+
+    def changed(self, effects: Mapping[str, Mapping[str, float]],
+                factors: Mapping[str, float]) -> PartModel:
+        """Return a part with these effects beside those adopted, and factors on this unit's."""
+        changed = copy.copy(self)
+        changed.effects = {name: check_effect(self.rig, name, values)
+                           for name, values in {**self.rig.effects, **effects}.items()}
+        known = self.rig.calibration
+        changed.factors = {**known, **{key: known.get(key, 1.0) * value
+                                       for key, value in factors.items()}}
+        return changed
+
+    def enters(self, name: str) -> bool:
+        """Say whether an effect has a place in the equations."""
+        return True
 
     def factor(self, key: str) -> float:
         """Return the factor of this unit on a quantity."""
@@ -102,6 +114,7 @@ class PartModel:
                                         / viscosity(rig.characterised_at, oil.oil_grade))
         if rig.relief_valve is not None:
             found['relief_pressure'] = rig.relief_valve.set_pressure
+            found['rated_pressure'] = rig.relief_valve.set_pressure
         return found
 
     def terms(self, slot: str, known: Known) -> Any:

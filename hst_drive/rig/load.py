@@ -17,15 +17,17 @@ from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
     FACTORS, LEAKAGE, Limits, Number, OIL_TEMPERATURES, PART, SECTIONS, SENSOR_UNITS, SUFFIXES,
-    Table, TOLERANCES)
+    Table, TOLERANCES, TORQUE)
+from hst_drive.rig.shaft import at_measured_shaft
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, from_si, to_si, UNITS
 import numpy as np
 
 _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
-            'relief_valve': parts.ReliefValve, 'loading': parts.Loading,
-            'controller': parts.Controller}
-_TOP = (*SECTIONS, 'name', 'sensors', 'tolerances_1_sigma_relative',
+            'relief_valve': parts.ReliefValve, 'loading': parts.Loading, 'gear': parts.Gear,
+            'cross_port_relief': parts.CrossPortRelief, 'charge': parts.Charge,
+            'supply': parts.Supply, 'valve': parts.Valve, 'controller': parts.Controller}
+_TOP = (*SECTIONS, 'name', 'circuit', 'sensors', 'tolerances_1_sigma_relative',
         'characterised_at_oil_temperature_degC', 'effects', 'calibration', SECTION, 'provenance')
 
 
@@ -69,14 +71,25 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
     if not sections:
         raise InputError(f'{source}: no section of a rig found; expected at least one of '
                          f'{", ".join(SECTIONS)}')
+    if 'motor' in sections:
+        sections['motor'] = at_measured_shaft(sections['motor'], sections.get('gear'))
+    pump = sections.get('pump')
+    if content.get('circuit', parts.OPEN) == parts.OPEN and pump and pump.displacement and (
+            pump.displacement.y[0] < 0):
+        raise InputError(f"{source}: 'pump.displacement_vs_command' falls below 0; a pump that "
+                         "delivers both ways needs 'circuit: closed' in the rig file")
     provenance = content.get('provenance') or {}
     if not isinstance(provenance, dict):
         raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
+    circuit = content.get('circuit', parts.OPEN)
+    if not isinstance(circuit, str):
+        raise InputError(f"{source}: 'circuit' is {_shown(circuit)}, expected a word such as open "
+                         'or closed')
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
     _number(temperature, *OIL_TEMPERATURES, source, 'characterised_at_oil_temperature_degC',
             'degC')
     return Rig(
-        name=str(content.get('name', Path(source).stem)), **sections,
+        name=str(content.get('name', Path(source).stem)), circuit=circuit, **sections,
         sensors=_sensors(content.get('sensors', {}), source),
         tolerances=_tolerances(content.get('tolerances_1_sigma_relative', {}), source),
         characterised_at=to_si(float(temperature), 'degC'),
@@ -162,11 +175,15 @@ def _section(name: str, content, source: str, part: bool):
             values[entry.attribute] = found
     if name == 'relief_valve':
         values.setdefault('reference_pressure', values['set_pressure'])
-    if 'pistons' in values:
-        values['pistons'] = int(values['pistons'])
-        if values['pistons'] != content['pistons']:
-            raise InputError(f"{source}: 'motor.pistons' is {content['pistons']}, expected a "
-                             'whole number')
+    for key in ('pistons', 'count'):
+        if key in values:
+            values[key] = int(values[key])
+            if values[key] != content[key]:
+                raise InputError(f"{source}: 'motor.{key}' is {content[key]}, expected a whole "
+                                 'number')
+    losses = content.get('mechanical_efficiency')
+    if name == 'motor' and isinstance(losses, dict) and set(losses) <= set(TORQUE):
+        values['torque_loss'] = tuple(float(losses.get(key, 0.0)) for key in TORQUE)
     if name in PART:
         values['given'] = frozenset(content)
     return _CLASSES[name](**values)

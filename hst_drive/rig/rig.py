@@ -15,6 +15,7 @@ from hst_drive.rig.fingerprint import Fingerprint
 import numpy as np
 
 # The sections of a whole drive; a file without one of them describes a part.
+OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 
 
@@ -108,7 +109,9 @@ class Motor:
     """
     Hydromotor: m^3/rad, kg.m^2 (all that turns with it), m^3/s and 1 over (Pa, rad/s).
 
-    ``given`` as for ``Pump``.
+    Those of ``count`` alike on a gear are one here, as seen from the measured shaft (``shaft``).
+    ``torque_loss`` are the coefficients that the efficiency was made from, if it was: N.m,
+    N.m.s/rad, share of the ideal torque. ``given`` as for ``Pump``.
     """
 
     displacement: float = 0.0
@@ -116,6 +119,9 @@ class Motor:
     leakage: Surface = field(default_factory=nothing)
     mechanical_efficiency: Surface = field(default_factory=ideal)
     pistons: int = 7
+    count: int = 1
+    second_displacement: float = 0.0
+    torque_loss: tuple[float, float, float] | None = None
     given: frozenset[str] = frozenset()
 
 
@@ -163,6 +169,50 @@ class Loading:
 
 
 @dataclass(frozen=True)
+class Gear:
+    """Gear behind the hydromotors: their turns per turn of the measured shaft, efficiency."""
+
+    ratio: float
+    efficiency: float = 1.0
+
+
+@dataclass(frozen=True)
+class CrossPortRelief:
+    """Relief valves from line to line of a closed circuit: Pa, Pa.s/m^3."""
+
+    set_pressure: float
+    override: float
+
+
+@dataclass(frozen=True)
+class Charge:
+    """Charge pump of a closed circuit, its relief, check valves: m^3/rad, Pa, Pa.s/m^3, m^3/s."""
+
+    pump_displacement: float
+    relief_pressure: float
+    relief_override: float
+    check_valve: float
+    flushing: float = 0.0
+
+
+@dataclass(frozen=True)
+class Supply:
+    """Supply of constant pressure, Pa."""
+
+    pressure: float
+
+
+@dataclass(frozen=True)
+class Valve:
+    """Proportional valve: m^3/s through an edge, at Pa, opening (-1 to 1) over V, s."""
+
+    rated_flow: float
+    rated_pressure_drop: float
+    opening: Curve
+    lag: float
+
+
+@dataclass(frozen=True)
 class Controller:
     """PI law: V.s/rad, V/rad, s, V."""
 
@@ -190,7 +240,9 @@ class Rig:
     ----------
     name : str
         Title for people.
-    pump, motor, line, relief_valve, loading, controller : objects or None
+    circuit : str
+        'open', or another file of ``model/circuits``.
+    pump, motor, line, relief_valve, loading, controller, ... : objects or None
         Sections; None where the file leaves a part out.
     sensors : dict of str to Sensor
         By channel name.
@@ -214,11 +266,17 @@ class Rig:
     """
 
     name: str
+    circuit: str = OPEN
     pump: Pump | None = None
     motor: Motor | None = None
     line: Line | None = None
     relief_valve: ReliefValve | None = None
     loading: Loading | None = None
+    gear: Gear | None = None
+    cross_port_relief: CrossPortRelief | None = None
+    charge: Charge | None = None
+    supply: Supply | None = None
+    valve: Valve | None = None
     controller: Controller | None = None
     sensors: dict[str, Sensor] = field(default_factory=dict)
     tolerances: dict[str, float] = field(default_factory=dict)
@@ -237,8 +295,8 @@ class Rig:
 
     @property
     def whole(self) -> bool:
-        """Whether all sections of the drive are there."""
-        return all(getattr(self, name) is not None for name in WHOLE)
+        """Whether all sections of the open circuit's drive are there."""
+        return self.circuit == OPEN and all(getattr(self, name) is not None for name in WHOLE)
 
     @property
     def full_speed(self) -> float:

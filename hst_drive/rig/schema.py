@@ -73,7 +73,7 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
         'shaft_speed_rpm': Number('shaft_speed', 'rpm', 50, 20000),
         'max_displacement_cc_rev': Number('max_displacement', 'cc/rev', 0.1, 5000),
         'displacement_vs_command': Table(
-            'displacement', (_COMMAND,), 'displacement_cc_rev', 'cc/rev', 0, 5000, True),
+            'displacement', (_COMMAND,), 'displacement_cc_rev', 'cc/rev', -5000, 5000, True),
         'displacement_lag_s': Number('displacement_lag', 's', 1e-4, 10),
         'leakage_L_min': Table(
             'leakage', (_PRESSURE, _COMMAND), 'table', 'L/min', 0, 500, coefficients=LEAKAGE),
@@ -82,6 +82,9 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
     },
     'motor': {
         'displacement_cc_rev': Number('displacement', 'cc/rev', 0.1, 50000),
+        'count': Number('count', '1', 1, 12, optional=True),
+        'second_displacement_cc_rev': Number('second_displacement', 'cc/rev', 0, 50000,
+                                             optional=True),
         'inertia_total_kg_m2': Number('inertia', 'kg.m^2', 1e-6, 1e5),
         'leakage_L_min': Table('leakage', (_PRESSURE, _SPEED), 'table', 'L/min', 0, 500,
                                coefficients=LEAKAGE),
@@ -113,6 +116,30 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
         'pprv_override_bar_per_L_min': Number('pprv_override', 'bar/(L/min)', 0, 1000),
         'pprv_reference_flow_L_min': Number('pprv_reference_flow', 'L/min', 0, 10000),
     },
+    'gear': {
+        'ratio': Number('ratio', '1', 0.01, 1000),
+        'efficiency': Number('efficiency', '1', 0.1, 1, optional=True),
+    },
+    'cross_port_relief': {
+        'set_pressure_bar': Number('set_pressure', 'bar', 1, 1500),
+        'override_bar_per_L_min': Number('override', 'bar/(L/min)', 1e-4, 1000),
+    },
+    'charge': {
+        'pump_displacement_cc_rev': Number('pump_displacement', 'cc/rev', 0.1, 5000),
+        'relief_pressure_bar': Number('relief_pressure', 'bar', 1, 200),
+        'relief_override_bar_per_L_min': Number('relief_override', 'bar/(L/min)', 1e-4, 1000),
+        'check_valve_bar_per_L_min': Number('check_valve', 'bar/(L/min)', 1e-4, 1000),
+        'flushing_L_min': Number('flushing', 'L/min', 0, 1000, optional=True),
+    },
+    'supply': {
+        'pressure_bar': Number('pressure', 'bar', 1, 1500),
+    },
+    'valve': {
+        'rated_flow_L_min': Number('rated_flow', 'L/min', 1e-3, 10000),
+        'rated_pressure_drop_bar': Number('rated_pressure_drop', 'bar', 0.1, 1000),
+        'opening_vs_command': Table('opening', (_COMMAND,), 'opening', '1', -1, 1, True),
+        'lag_s': Number('lag', 's', 1e-4, 10),
+    },
     'controller': {
         'kp_V_per_rad_s': Number('kp', 'V.s/rad', 0, 1000),
         'ki_V_per_rad': Number('ki', 'V/rad', 0, 1000),
@@ -142,6 +169,8 @@ SENSOR_UNITS: dict[str, tuple[str, str]] = {
     'load_torque': ('N_m', 'N.m'), 'motor_torque': ('N_m', 'N.m'),
     'pump_torque': ('N_m', 'N.m'), 'pump_power': ('kW', 'kW'),
     'oil_temperature': ('K', 'K'), 'pump_displacement': ('cc_rev', 'cc/rev'),
+    'line_a_pressure': ('bar', 'bar'), 'line_b_pressure': ('bar', 'bar'),
+    'charge_pressure': ('bar', 'bar'),
 }
 
 # What a unit of the same make may differ in: the quantity's name and what it scales.
@@ -149,7 +178,8 @@ TOLERANCES: tuple[str, ...] = (
     'motor.displacement', 'motor.inertia', 'line.bulk_modulus', 'pump.displacement_vs_command',
     'pump.displacement_lag', 'pump.leakage', 'motor.leakage', 'motor.mechanical_efficiency',
     'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
-    'loading.pprv_override',
+    'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
+    'valve.rated_flow', 'valve.lag',
 )
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.

@@ -18,7 +18,8 @@ CONTRACT = (
     'line_loss back_pressure piston_ripple shaft_compliance gearbox_loss pressure_sensor_bias '
     'speed_sensor_lag torque_sensor_scale flow_sensor_scale constant_torque '
     'motor_orifice_leakage suction_starvation swash_compliance accumulator '
-    'line_inertance').split()
+    'line_inertance gear_backlash charge_pressure_loss cross_port_leakage '
+    'cross_port_relief_cracking valve_dead_band valve_lag').split()
 BEYOND = ['bulk_modulus_rise', 'pump_friction', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
@@ -27,7 +28,7 @@ LOSSES = {'pump_flow_loss', 'motor_flow_loss', 'motor_torque_loss', 'line_drop',
           'pump_torque_loss'}
 # Numbers in the files that have a dimension.
 CONSTANTS = {'ATMOSPHERE': 'Pa', 'LEAST': 'Pa', 'REFERENCE': 'Pa', 'USUAL_DAMPING_TIME': 's',
-             'DRILLING_SPEED': 'rad/s'}
+             'DRILLING_SPEED': 'rad/s', 'SMOOTH': 'V'}
 # Beyond what a drive reaches, in the units of READABLE.
 RANGES = {
     'displacement': (0.0, 1e-4), 'pump_speed': (1.0, 400.0), 'pump_pressure': (-9e4, 6e7),
@@ -39,7 +40,9 @@ RANGES = {
     'max_displacement': (1e-7, 1e-4), 'line_volume': (1e-7, 10.0), 'bulk_modulus': (2e8, 2e9),
     'oil_density': (700.0, 1000.0),
     'relief_pressure': (5e6, 4e7), 'pistons': (3.0, 15.0), 'characterised_at': (273.0, 373.0),
-    'nominal_speed': (50.0, 400.0), 'twist': (-1.0, 1.0), 'efficiency': (0.0, 1.0),
+    'nominal_speed': (50.0, 400.0), 'rated_pressure': (5e6, 4e7),
+    'cross_port_pressure': (5e6, 5e7), 'valve_command': (-10.0, 10.0),
+    'twist': (-1.0, 1.0), 'efficiency': (0.0, 1.0),
 }
 PINT = pint.UnitRegistry()
 
@@ -96,6 +99,7 @@ def test_dimensions(effect, slot, function):
     quantities = {name: 0.7 * max(RANGES[name]) * unit(READABLE[name]) for name in READABLE}
     # Above the cracking pressure of any valve.
     quantities['relief_pressure'] = 1.5 * quantities['pump_pressure']
+    quantities['cross_port_pressure'] = 1.5 * quantities['pressure']
     values = {entry.name: entry.typical * unit(entry.unit) for entry in effect.parameters}
     result = evaluate(functional, values, quantities)
     assert result.check(unit(SLOTS[slot].unit)), f'{result} is not in {SLOTS[slot].unit}'
@@ -171,7 +175,8 @@ def test_parity(effect, slot, function):
 def test_smooth_in_its_parameters(effect, slot, function):
     """A tenfold smaller step of a parameter moves the term about a tenth: it can be fitted."""
     reads = {name: 0.6 * high + 0.4 * low for name, (low, high) in RANGES.items()}
-    reads.update(motor_speed=3.0, relief_pressure=2e7, pump_pressure=1.2e7, pressure=1.2e7)
+    reads.update(motor_speed=3.0, relief_pressure=2e7, cross_port_pressure=2e7,
+                 pump_pressure=1.2e7, pressure=1.2e7)
     typical = effect.typical
     here = evaluate(function, typical, reads)
     for entry in effect.parameters:

@@ -1,0 +1,25 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A low side that is no longer held: the charge relief opens early."""
+from hst_drive.effects.base import Effect, Parameter
+
+
+def relief(drop):
+    """Return what is taken from the pressure of the charge relief, Pa."""
+    return drop
+
+
+EFFECT = Effect(
+    id='charge_pressure_loss',
+    title='charge pump or its relief no longer holds the low side',
+    slot='charge_pressure',
+    function=relief,
+    equation='P_charge = P_datasheet - drop',
+    parameters=(
+        Parameter('drop', 'Pa', 0.0, 3e6, 4e5, 'what the low side lacks of it'),
+    ),
+    telltale='The low side stands lower than it should, in both directions of rotation.',
+    source='J. Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia Books 2001, '
+           'on charge supply of closed circuits; ISO 4413 on minimum pressures.',
+    shows_in=('line_a_pressure', 'line_b_pressure', 'charge_pressure'),
+)

@@ -1,0 +1,40 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Play of the gear: the load is free for an angle whenever the torque changes its sign.
+
+While the play is passed the hydromotor takes oil and turns, the shaft behind the gear does not.
+Over a small band of torque about zero that is a very soft shaft, which keeps the equations
+smooth.
+"""
+import math
+
+from hst_drive.effects.base import Effect, Parameter
+
+
+def twist(pressure, motor_displacement, angle, band):
+    """Return how far the hydromotor turns against the shaft per torque, rad/(N.m)."""
+    torque = pressure * motor_displacement / band
+    if torque > 20.0:
+        return 0.0
+    return 0.5 * angle / (band * math.cosh(torque)**2)
+
+
+EFFECT = Effect(
+    id='gear_backlash',
+    title='play of the gear',
+    slot='gear_twist',
+    function=twist,
+    equation='d(angle)/dT = angle/(2*band) / cosh(T/band)^2, T = |P_a - P_b|*D_m',
+    parameters=(
+        Parameter('angle', 'rad', 0.0, 0.5, 0.02, 'play, at the measured shaft'),
+        Parameter('band', 'N.m', 1.0, 5000.0, 100.0,
+                  'torque over which it is passed: what the gear drags by itself', neutral=100.0,
+                  fixed=True),
+    ),
+    telltale='Pressure stays low for a moment at each change of the torque sign while oil flows '
+             'and the shaft stands; then it jumps.',
+    source='M. Nordin and P.-O. Gutman, Controlling mechanical systems with backlash, a survey, '
+           'Automatica 38 (2002).',
+    shows_in=('line_a_pressure', 'line_b_pressure'),
+)

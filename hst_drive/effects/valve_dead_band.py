@@ -1,0 +1,29 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A command that moves the spool but passes no oil: its overlap is wider than the datasheet's."""
+import math
+
+from hst_drive.effects.base import Effect, Parameter
+
+SMOOTH = 0.02       # V, over which it changes its sign
+
+
+def shift(valve_command, width):
+    """Return what is added to the command, V: nothing of it at standstill."""
+    return -width * math.tanh(valve_command / SMOOTH)
+
+
+EFFECT = Effect(
+    id='valve_dead_band',
+    title='command that moves the spool but passes no oil',
+    slot='valve_command',
+    function=shift,
+    equation='u_effective = u - width*sign(u)',
+    parameters=(
+        Parameter('width', 'V', -1.0, 3.0, 0.2, 'taken from the command, either way'),
+    ),
+    telltale='Speed is too low by about the same amount at every command, in both directions.',
+    source='M. Jelali and A. Kroll, Hydraulic Servo-systems, Springer 2003: overlap of '
+           'proportional valves.',
+    shows_in=('motor_speed', 'motor_inlet_flow'),
+)

@@ -1,0 +1,167 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Replay of a log of a circuit: measured signals in the place of the states that they tell.
+
+What the equations then say of the other signals is compared with those, balance by balance, in
+the weak form that ``PartReplay`` has for rates.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from hst_drive.errors import InputError
+from hst_drive.measure.balances import is_table
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.replay import Prediction
+from hst_drive.measure.run import Run
+from hst_drive.model.circuit_model import CircuitModel
+from hst_drive.model.circuits import Balance, Part
+from hst_drive.model.part import PartModel
+import numpy as np
+from scipy.ndimage import minimum_filter1d
+
+_SETTLES = 2.0      # s before the first row in which the actuator settles on its command
+_CHANGES = 0.3      # s before and after the lines change their parts that are not judged
+_FEW = 0.02         # of the rows: a signal that is judged in fewer is not
+# Sensors that are off: the slot of the term by the signal that it is added to.
+_READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
+             'motor_inlet_flow': ('flow_reading', 'flow'),
+             'motor_torque': ('torque_reading', 'load_torque')}
+
+
+class CircuitReplay(PartReplay):
+    """
+    A log of a circuit, ready to be predicted by models again and again; see ``PartReplay``.
+
+    Raises
+    ------
+    InputError
+        If no balance of the circuit is closed, or the rows are operating points.
+
+    """
+
+    pressures = ('line_a_pressure', 'line_b_pressure')
+
+    def __init__(self, run: Run, model: CircuitModel):
+        self._by_name: dict[str, Balance] = {
+            entry.name: entry for entry in model.circuit.balances}
+        self._judged: dict[str, np.ndarray] = {}
+        super().__init__(run, model)
+
+    def place(self, name: str) -> Balance:
+        """Return the balance of that name."""
+        return self._by_name[name]
+
+    def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
+        assert isinstance(model, CircuitModel)
+        if is_table(run):
+            raise InputError(
+                f'{run.source}: its rows are operating points, {run.sample_time:.3g} s apart; '
+                f"'circuit: {model.circuit.id}' needs a recording with 20 rows a second or more")
+        found, lacks = {}, []
+        for balance in model.circuit.balances:
+            missing = [need.replace('|', ' or ') for need in (balance.signal, *balance.needs)
+                       if not any(name in run for name in need.split('|'))]
+            if not missing:
+                found[balance.signal] = balance.name
+            lacks.append((len(missing), f'{balance.name} lacks {", ".join(missing)}'))
+        if not found:
+            have = ', '.join(run.channels) or 'none but time'
+            least = '; '.join(text for _, text in sorted(lacks)[:3])
+            raise InputError(
+                f"{run.source}: its channels ({have}) close no balance of 'circuit: "
+                f"{model.circuit.id}': {least}; name foreign columns with --channels")
+        rows = {name: self._where(run, model, balance) for name, balance in found.items()}
+        judged = {name: found[name] for name, where in rows.items()
+                  if np.mean(where) > _FEW} or found
+        self._judged = {name: rows[name] for name in judged}
+        return judged
+
+    def _where(self, run: Run, model: CircuitModel, name: str) -> np.ndarray:
+        """Say in which rows a balance is judged: what it hangs on is true."""
+        needed = [part.when for part in self._by_name[name].parts]
+        if not all(needed):
+            return np.ones(len(run), dtype=bool)
+        told = {entry.name: np.nan_to_num(run[entry.name]) for entry in model.circuit.states
+                if entry.name in run}
+        known = {key: np.nan_to_num(values) for key, values in run.channels.items()}
+        found = model.run(run.time - run.time[0], known, told)
+        width = 2 * int(_CHANGES / run.sample_time) + 1
+        # The lines change their parts within moments, in which neither balance is simple.
+        return np.any([minimum_filter1d((found[when] >= 1.0).astype(np.int8), width)
+                       for when in needed], axis=0)
+
+    def _unjudged(self, name: str) -> np.ndarray | bool:
+        balance = self._by_name[self.balances[name]]
+        if balance.enters == 'torque' and any(part.state for part in balance.parts):
+            creeps = np.abs(self._channels['motor_speed']) <= self._creeping
+            return creeps | ~self._judged[name]
+        return ~self._judged[name]
+
+    def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
+        part = self._by_name[self.balances[name]].parts[0]
+        if not part.state:
+            return 0.0, ''
+        found = self._evaluated(model, self._channels)
+        return float(np.median(np.abs(found[part.storage]))), part.state
+
+    def _evaluated(self, model: PartModel, channels: dict[str, np.ndarray], *,
+                   free: str = '') -> dict[str, np.ndarray]:
+        """Return the quantities with all measured states in place but ``free``."""
+        assert isinstance(model, CircuitModel)
+        true = dict(channels)
+        slot, reads = _READINGS['line_a_pressure']
+        if 'line_a_pressure' in true:
+            true['line_a_pressure'] = true['line_a_pressure'] - model.terms(slot, {
+                **model.complete(channels), reads: true['line_a_pressure']})
+        told = {entry.name: true[entry.name] for entry in model.circuit.states
+                if entry.name in true and entry.name != free}
+        if 'motor_angle' in self.inputs:
+            told['motor_angle'] = self.inputs['motor_angle']
+        # A row before the first one, from which what is not told settles.
+        time = np.concatenate([[self.run.time[0] - _SETTLES], self.run.time])
+        found = model.run(time, _earlier(true), _earlier(told))
+        return {key: values[1:] for key, values in found.items()}
+
+    def predict(self, model: PartModel, extra: dict[str, np.ndarray] | None = None) -> Prediction:
+        """Predict each signal from the others; see ``PartReplay.predict``."""
+        channels = self._channels if extra is None else {
+            name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
+        found = self._evaluated(model, channels)
+        signals = {}
+        for signal, name in self.balances.items():
+            quantities = found
+            if any(part.quantity == signal and signal in channels
+                   for part in self._by_name[name].parts) and signal in {
+                       entry.name for entry in model.circuit.states}:
+                # A state that is measured, too: what it would do by itself.
+                quantities = self._evaluated(model, channels, free=signal)
+            value = self._combined(self._by_name[name].parts, quantities, channels, signal)
+            if signal in _READINGS:
+                slot, reads = _READINGS[signal]
+                value = value + model.terms(slot, {**model.complete(channels), reads: value})
+            signals[signal] = value
+        return Prediction(signals, np.zeros(len(self.run)))
+
+    def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
+                  channels: dict[str, np.ndarray], signal: str) -> np.ndarray:
+        value: Any = None
+        for part in parts:
+            one = self._smooth(found[part.quantity], signal)
+            if part.state and part.state in channels:
+                one = one - self._smooth(found[part.storage], signal) * self._rate(
+                    channels[part.state], signal)
+            value = one if value is None else np.where(found[part.when] >= 1.0, one, value)
+        return value
+
+
+def _earlier(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return channels with their first row repeated before them."""
+    return {name: np.concatenate([row[:1], row]) for name, row in values.items()}
+
+
+def part_replay(run: Run, model: PartModel) -> PartReplay:
+    """Return the replay of a log that goes with a model (``part_model``)."""
+    return CircuitReplay(run, model) if isinstance(model, CircuitModel) else PartReplay(
+        run, model)

@@ -1,0 +1,98 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""From the file of a circuit and the catalogue of effects to running code."""
+from __future__ import annotations
+
+from functools import lru_cache
+import inspect
+import os
+import textwrap
+from typing import Callable, NamedTuple
+
+from hst_drive.effects import catalogue, edition
+from hst_drive.model import kernel_template
+from hst_drive.model.circuits import replay_text
+from hst_drive.model.circuits.base import Circuit
+from hst_drive.model.compose import generate, have_numba, running, usable
+
+_SHARED = ('find', 'interpolate', 'interpolate2', 'smooth_sign', 'played')
+_REST = 'p, on, cells, layout'
+READINGS = ('pressure_reading', 'flow_reading', 'torque_reading')
+"""Slots of sensors: what they add is taken from, or added to, the readings of a replay."""
+
+
+class Running(NamedTuple):
+    """
+    A circuit as code; ``places``, ``flags``, ``slots`` and ``size`` as in ``compose.Kernel``.
+
+    ``usable`` are the effects whose first term is in its equations, ``names`` its parameters.
+    """
+
+    run: Callable
+    places: dict[tuple[str, str], int]
+    flags: dict[str, int]
+    slots: dict[str, int]
+    size: int
+    usable: frozenset[str]
+    names: tuple[str, ...]
+    source: str
+
+
+@lru_cache
+def text_of(circuit: Circuit) -> str:
+    """Return all equations of a circuit as one text, slots for effects in it."""
+    states, inputs = len(circuit.states), len(circuit.inputs)
+    held = _listed('held', circuit.held)
+    wrappers = f"""
+        def hold_row(commands, k, interval, memory, {_REST}, held):
+            {held} = hold(
+                {_listed('commands[k, ', len(circuit.held_inputs), '')}interval, memory, {_REST})
+
+
+        def evaluate(x, held, now, {_REST}, slope, found):
+            {_listed('slope', states)}{_listed('found', len(circuit.quantities))} = equations(
+                {_listed('x', states)}{held}{_listed('now', inputs)}{_REST})
+        """
+    functions = (*(getattr(kernel_template, name) for name in _SHARED), *circuit.helpers,
+                 circuit.hold, circuit.equations)
+    return '\n\n'.join(['import math', *map(inspect.getsource, functions),
+                        textwrap.dedent(wrappers), inspect.getsource(replay_text.run)])
+
+
+def _listed(name: str, count: int, opened: str = '[') -> str:
+    """Return ``name[0], name[1], `` and so on."""
+    return ''.join(f'{name}{opened}{index}], ' for index in range(count))
+
+
+def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = None) -> Running:
+    """
+    Return the code of a circuit for all effects of the catalogue.
+
+    Parameters
+    ----------
+    circuit : Circuit
+        The declaration.
+    names : tuple of str
+        Its parameters, in order.
+    compiled : bool, optional
+        As for ``compose.kernel``.
+
+    """
+    if compiled is None:
+        compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+    return _code(circuit.id, text_of(circuit), (names, tuple(circuit.tables)),
+                 tuple(function.__name__ for function in circuit.helpers), compiled, edition())
+
+
+@lru_cache(maxsize=8)
+def _code(_: str, text: str, layout: tuple, helpers: tuple[str, ...], compiled: bool,
+          __: int) -> Running:
+    effects = catalogue(everything=True)
+    names, tables = layout
+    source, places, flags, slots, size = generate(effects, text, names, tables)
+    read = {name for name, effect in effects.items() if effect.slot in READINGS}
+    module = running(source, effects, compiled,
+                     ('interpolate', 'interpolate2', 'smooth_sign', *helpers, 'hold',
+                      'hold_row', 'equations', 'evaluate'), ('find', 'played'), ('run',))
+    return Running(module.run, places, flags, slots, size, usable(source, effects) | read,
+                   names, source)

@@ -1,0 +1,155 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A circuit with a rig's numbers: what moves in time, and what follows from measured signals."""
+from __future__ import annotations
+
+from functools import lru_cache
+import math
+from typing import Mapping
+
+from hst_drive.effects import catalogue
+from hst_drive.effects.oil import viscosity
+from hst_drive.model.circuit_code import code_of, Running
+from hst_drive.model.circuits import circuit_of
+from hst_drive.model.parameters import cells_of
+from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
+import numpy as np
+
+MAX_STEP, LEAST_STEP = 2.5e-3, 5e-5     # s
+_TOLD_STEP = 10e-3  # s, where all that is fast is measured
+
+
+class CircuitModel(PartModel):
+    """
+    A rig of any circuit but the open one, effects that are on, factors of this unit.
+
+    Parameters
+    ----------
+    rig, effects, factors
+        As for ``PartModel``.
+    compiled : bool, optional
+        Force numba (True) or plain Python (False).
+
+    Raises
+    ------
+    InputError
+        If the circuit, an effect or a parameter is not known, or a section of the rig is missing.
+
+    """
+
+    def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
+                 factors: Mapping[str, float] | None = None, *, compiled: bool | None = None):
+        super().__init__(rig, effects, factors)
+        self.circuit = circuit_of(rig)
+        self._numbers = self.circuit.parameters(rig)
+        self.code: Running = code_of(self.circuit, tuple(self._numbers), compiled)
+        self._tables = cells_of([table(rig) for table in self.circuit.tables.values()])
+
+    def enters(self, name: str) -> bool:
+        """Say whether an effect has a term in this circuit's equations."""
+        return name in self.code.usable
+
+    def parameter(self, name: str) -> float:
+        """Return a number of the equations, SI, for this unit."""
+        scaled = self.circuit.scaled.items()
+        return self._numbers[name] * math.prod(
+            self.factors.get(key, 1.0) / self.rig.calibration.get(key, 1.0)
+            for key, scales in scaled if scales == name)
+
+    def _vectors(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return parameters and switches as the code takes them."""
+        values = np.zeros(self.code.size)
+        values[:len(self._numbers)] = [self.parameter(name) for name in self._numbers]
+        switches = np.zeros(len(self.code.flags) + len(self.code.slots), dtype=np.int8)
+        known = catalogue(everything=True)
+        for key, place in self.code.places.items():
+            values[place] = known[key[0]].neutral[key[1]]
+        for name, chosen in self.effects.items():
+            for key, value in chosen.items():
+                values[self.code.places[name, key]] = value
+            switches[self.code.flags[name]] = 1
+            for slot, _ in known[name].terms:
+                switches[self.code.slots[slot]] = 1
+        return values, switches
+
+    def run(self, time: np.ndarray, channels: Mapping[str, np.ndarray],
+            told: Mapping[str, np.ndarray], state: np.ndarray | None = None, *,
+            memory: np.ndarray | None = None, max_step: float | None = None,
+            ) -> dict[str, np.ndarray]:
+        """
+        Evaluate the equations over a record; integrate what is not told.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            s, strictly rising.
+        channels : mapping of str to ndarray, shape (n,)
+            Inputs by channel, SI; 'viscosity_ratio' follows from 'oil_temperature'. One that is
+            left out has its default.
+        told : mapping of str to ndarray, shape (n,)
+            States that are measured, SI.
+        state, memory : ndarray, optional
+            Where to start, and what the actuator remembers; at the end they hold the last ones.
+        max_step : float, optional
+            Longest integration step, s.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (n,)
+            States that were integrated and quantities (``Circuit.quantities``), SI.
+
+        """
+        circuit, n = self.circuit, len(time)
+        temperature = channels.get('oil_temperature', np.full(n, self.rig.characterised_at))
+        known = {**channels, 'oil_temperature': temperature,
+                 'viscosity_ratio': self._viscosity_ratio(temperature)}
+        commands, inputs = (np.column_stack([
+            np.broadcast_to(known.get(entry.name, entry.default), n) for entry in entries])
+            .astype(float) for entries in (circuit.held_inputs, circuit.inputs))
+        record = np.zeros((n, len(circuit.states)))
+        mask = np.zeros(len(circuit.states), dtype=np.int8)
+        for index, entry in enumerate(circuit.states):
+            if entry.name in told:
+                record[:, index], mask[index] = told[entry.name], 1
+        if state is None:
+            state = self.at_rest(channels)
+        if memory is None:
+            memory = np.full(circuit.memory, math.nan)
+        room = max(len(circuit.states), circuit.held, len(circuit.inputs),
+                   len(circuit.quantities))
+        out = np.empty((n, len(circuit.quantities)))
+        if max_step is None:
+            fast = any(entry.start for entry in circuit.states if entry.name not in told)
+            max_step = min(max(circuit.steps(self._numbers), LEAST_STEP),
+                           MAX_STEP) if fast else _TOLD_STEP
+        cells, layout = self._tables
+        self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs, mask, record,
+                      state, memory, *self._vectors(), cells, layout.copy(), max_step,
+                      np.zeros((6, room)), out)
+        found = {name: out[:, index] for index, name in enumerate(circuit.quantities)}
+        return {**{entry.name: record[:, index] for index, entry in enumerate(circuit.states)},
+                **found}
+
+    def at_rest(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Return the state of a drive at rest."""
+        return np.array([self.parameter(entry.start) if entry.start else 0.0
+                         for entry in self.circuit.states])
+
+    def _viscosity_ratio(self, temperature: np.ndarray) -> np.ndarray:
+        grade = self.rig.line.oil_grade if self.rig.line else ''
+        if not grade:
+            return np.ones(len(temperature))
+        return viscosity(temperature, grade) / _at_tables(self.rig.characterised_at, grade)
+
+
+@lru_cache(maxsize=8)
+def _at_tables(temperature: float, grade: str) -> float:
+    return float(viscosity(temperature, grade))
+
+
+def part_model(rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
+               factors: Mapping[str, float] | None = None) -> PartModel:
+    """Return the model that judges a log balance by balance: of its circuit, or of a part."""
+    kind = PartModel if circuit_of(rig) is None else CircuitModel
+    return kind(rig, effects, factors)

@@ -1,0 +1,140 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+What a circuit declares: states, inputs, equations, and the balances that logs can close.
+
+A circuit is one file. Its two functions, ``hold`` (once a row) and ``equations``, are plain text
+for numbers: ``circuit_code`` puts effects into their ``# slot`` lines and makes running code. A
+simulation integrates the states; a replay puts measured signals in the place of the states that
+they tell, and what the equations then say of other signals is compared with those.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+from typing import Callable, NamedTuple
+
+from hst_drive.rig import Curve, Rig, Surface
+
+
+class State(NamedTuple):
+    """A state: channel that tells it, SI unit, parameter with which a drive at rest starts."""
+
+    name: str
+    unit: str
+    start: str = ''
+
+
+class Input(NamedTuple):
+    """An input by channel, and what stands in its place where it is not recorded (SI)."""
+
+    name: str
+    default: float = 0.0
+
+
+class Part(NamedTuple):
+    """
+    One way to predict a signal: a quantity, plus ``storage`` times the rate of a measured state.
+
+    It counts where the quantity ``when`` is at least 1 (always, without one).
+    """
+
+    quantity: str
+    when: str = ''
+    state: str = ''
+    storage: str = ''
+
+
+class Balance(NamedTuple):
+    """
+    A balance that a log may close.
+
+    ``signal`` is what it predicts from the channels ``needs`` ('a|b': either); ``enters``,
+    ``unit`` and ``place`` say what is missing where it does not close, ``per`` by which parameter
+    the signal's error becomes that (1 without one), ``formula`` which formula can carry it.
+    """
+
+    name: str
+    signal: str
+    enters: str
+    unit: str
+    place: str
+    parts: tuple[Part, ...]
+    needs: tuple[str, ...] = ()
+    per: str = ''
+    formula: str = ''
+
+
+@dataclass(frozen=True, eq=False)
+class Circuit:
+    """
+    A hydraulic circuit.
+
+    Attributes
+    ----------
+    id, title : str
+        Word in the rig file, and for people.
+    hold : callable
+        ``hold(*held_inputs, interval, memory, p, on, cells, layout)``: once a row; what it
+        returns holds until the next one. ``memory`` (NaN at first) is its own.
+    equations : callable
+        ``equations(*states, *held, *inputs, p, on, cells, layout)``: rates of the states, then
+        the quantities. ``P_name`` is the place of a parameter, ``T_NAME`` the number of a table.
+    helpers : tuple of callable
+        Functions that they call, beside those of the open circuit's text (``interpolate``, ...).
+    numbers : callable
+        Parameters from a rig, SI.
+    tables : dict of str to callable
+        Tables from a rig.
+    scaled : dict of str to str
+        What a unit may differ in (``rig.tolerances``): the parameter that it scales.
+    sections : tuple of str
+        What the rig file must have.
+    states, held_inputs, inputs, quantities, balances : tuple
+        As above; what ``hold`` returns is named by the arguments between states and inputs.
+    steps : callable
+        From the numbers: the longest integration step (s) that the equations bear.
+    memory : int
+        Numbers that ``hold`` keeps.
+
+    """
+
+    id: str
+    title: str
+    hold: Callable
+    equations: Callable
+    numbers: Callable[[Rig], dict[str, float]]
+    sections: tuple[str, ...]
+    states: tuple[State, ...]
+    held_inputs: tuple[Input, ...]
+    inputs: tuple[Input, ...]
+    quantities: tuple[str, ...]
+    balances: tuple[Balance, ...]
+    tables: dict[str, Callable[[Rig], Curve | Surface]]
+    scaled: dict[str, str]
+    steps: Callable[[dict[str, float]], float]
+    helpers: tuple[Callable, ...] = ()
+    memory: int = 4
+
+    @property
+    def held(self) -> int:
+        """How many numbers ``hold`` returns."""
+        arguments = self.equations.__code__.co_argcount
+        return arguments - len(self.states) - len(self.inputs) - 4
+
+    def parameters(self, rig: Rig) -> dict[str, float]:
+        """
+        Return the numbers of the equations, this unit's calibration included.
+
+        Raises
+        ------
+        InputError
+            If a section of the rig file is missing.
+
+        """
+        rig.require(*self.sections, purpose=f"'circuit: {self.id}'")
+        found = self.numbers(rig)
+        for key, factor in rig.calibration.items():
+            if key in self.scaled:
+                found[self.scaled[key]] *= factor
+        return {name: float(value) for name, value in found.items() if not math.isnan(value)}

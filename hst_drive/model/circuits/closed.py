@@ -1,0 +1,265 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The closed circuit: over-centre pump, two lines, charge pump, cross-port reliefs, hydromotors.
+
+Signs as in ISO 4391: stroke, flow, speed and torque are positive in the drilling direction, where
+line A carries the pressure. What leaks goes to the cases, from the line under pressure. The
+equations refer to the measured shaft, behind the gear if there is one.
+"""
+import math
+
+from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
+from hst_drive.model.circuits.motor_text import (
+    motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+from hst_drive.model.compose import CONSTANTS
+from hst_drive.rig import Rig
+
+_MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
+_STEP = 2.0         # of the time in which the check valves fill the low line
+_USUAL = 3.5e7      # Pa, where no relief is given
+_STROKE = 'pump_command|pump_displacement'
+
+
+def hold(pump_command, interval, memory, p, on, cells, layout):
+    """
+    Return what holds until the next row: aim of the plate (m^3/rad), lag, rates, command.
+
+    ``memory`` keeps both halves of a play, the last command and what stands before the plate.
+    """
+    pump_play = pump_play_softness = pump_play_spread = 0.0
+    pump_lag = p[P_displacement_lag]
+    pump_series_lag = pump_stroke_time = pump_stroke_asymmetry = 0.0
+    max_displacement = p[P_max_displacement]
+    # slot pump_command
+    # slot pump_play
+    # slot pump_play_softness
+    # slot pump_play_spread
+    # slot pump_lag
+    # slot pump_series_lag
+    # slot pump_stroke_time
+    # slot pump_stroke_asymmetry
+    if math.isnan(memory[0]):
+        memory[0] = memory[1] = memory[2] = pump_command
+    whole_command = pump_command
+    if pump_play > 0.0:
+        memory[0] = played(memory[0], memory[2], whole_command,
+                           0.5 * pump_play * (1.0 - pump_play_spread), pump_play_softness)
+        memory[1] = played(memory[1], memory[2], whole_command,
+                           0.5 * pump_play * (1.0 + pump_play_spread), pump_play_softness)
+        pump_command = 0.5 * (memory[0] + memory[1])
+    memory[2] = whole_command
+    aim = p[P_displacement_scale] * interpolate(pump_command, T_DISPLACEMENT, cells, layout)
+    if math.isnan(memory[3]):
+        memory[3] = aim
+    if pump_series_lag > 0.0 and interval > 0.0:
+        # What stands before the plate, on average until the next row.
+        ahead, kept = memory[3] - aim, math.exp(-interval / pump_series_lag)
+        memory[3] = aim + ahead * kept
+        aim += ahead * (1.0 - kept) * pump_series_lag / interval
+    rate = back_rate = 0.0
+    if pump_stroke_time > 0.0:
+        rate = max_displacement / pump_stroke_time * (1.0 + pump_stroke_asymmetry)
+        back_rate = max_displacement / pump_stroke_time * (1.0 - pump_stroke_asymmetry)
+    return aim, max(pump_lag, 1e-4), rate, back_rate, pump_command
+
+
+def charged(low, high, flow, relief, override, check_valve):
+    """Return the charge pressure at which check valves and relief take the charge pump's flow."""
+    charge = (flow + low / check_valve + relief / override) / (1.0 / check_valve + 1.0 / override)
+    if charge < relief:
+        charge = low + check_valve * flow           # the relief is shut
+    if charge < low:
+        charge = relief + override * flow           # both check valves are
+    if charge > high:
+        charge = (flow + (low + high) / check_valve + relief / override) / (
+            2.0 / check_valve + 1.0 / override)
+    return charge
+
+
+def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag, rate,
+              back_rate, pump_command, pump_speed_measured, charge_measured, oil_temperature,
+              viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
+              on, cells, layout):
+    """Return the rates of the states, then the quantities."""
+    max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
+    bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
+    pistons, characterised_at = p[P_pistons], p[P_characterised_at]
+    cross_port_pressure = rated_pressure = p[P_relief_set_pressure]
+    motor_displacement = p[P_motor_displacement]
+    if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
+        motor_displacement = p[P_second_displacement]
+    difference = line_a_pressure - line_b_pressure
+    a_high = difference >= 0.0
+    side = 1.0 if a_high else -1.0
+    pump_pressure = pressure = abs(difference)
+    displacement, speed = abs(stroke), abs(motor_speed)
+    flow = motor_displacement * speed
+    line_drop = 0.0
+    # slot line_drop
+    pressure = max(pump_pressure - line_drop, 0.0)
+    drained = motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+                          motor_displacement, p, on, cells, layout)
+    motor_leakage = drained
+    cross_port_flow = 0.0
+    # slot cross_port_flow
+    cross_port_flow += max(pump_pressure - cross_port_pressure, 0.0) * p[P_relief_gain]
+    pump_leakage = p[P_pump_leakage_scale] * interpolate2(
+        pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
+    pump_speed = nominal_speed
+    # slot pump_speed
+    if not math.isnan(pump_speed_measured):
+        pump_speed = pump_speed_measured
+    pump_flow_loss = 0.0
+    # slot pump_flow_loss
+    lost = drained + pump_leakage + pump_flow_loss
+    a_loss, b_loss = -cross_port_flow, lost + cross_port_flow
+    if a_high:
+        a_loss, b_loss = b_loss, a_loss
+    delivered, swept = stroke * pump_speed, motor_displacement * motor_speed
+
+    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
+    charge_pressure = 0.0
+    # slot charge_pressure
+    relief = max(p[P_charge_relief] - charge_pressure, 0.0)
+    charge_flow = p[P_charge_displacement] * pump_speed
+    flushed = p[P_flushing] * max(low, 0.0) / p[P_charge_relief]
+    lacking = flushed + side * (delivered - swept) + (b_loss if a_high else a_loss)
+    held = p[P_charge_override] * (charge_flow - lacking)
+    settled_charge = relief + held if held > 0.0 else CAVITATION_PRESSURE + p[
+        P_check_valve] * lacking
+    charge = charged(low, high, charge_flow, relief, p[P_charge_override], p[P_check_valve])
+    held_at = settled_charge
+    if not math.isnan(charge_measured):
+        charge = held_at = charge_measured
+    low_side = max(held_at - p[P_check_valve] * lacking, CAVITATION_PRESSURE)
+    a_made_up = max(charge - line_a_pressure, 0.0) / p[P_check_valve]
+    b_made_up = max(charge - line_b_pressure, 0.0) / p[P_check_valve]
+    if a_high:
+        b_made_up -= flushed
+    else:
+        a_made_up -= flushed
+
+    compliance = 1.0 / bulk_modulus
+    # slot compliance
+    gear_twist = 0.0
+    # slot gear_twist
+    storage = line_volume * compliance + motor_displacement * motor_displacement * gear_twist
+    a_rate = (delivered - swept - a_loss + a_made_up) / storage
+    b_rate = (swept - delivered - b_loss + b_made_up) / storage
+    if line_a_pressure <= CAVITATION_PRESSURE:
+        a_rate = max(a_rate, 0.0)
+    if line_b_pressure <= CAVITATION_PRESSURE:
+        b_rate = max(b_rate, 0.0)
+
+    motor_torque = shaft_torque(
+        pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+        motor_displacement, p, on, cells, layout)
+    braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
+    acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
+
+    pump_yield = 0.0
+    # slot pump_yield
+    settled = aim
+    if abs(aim) > 0.0:
+        settled = aim * max(1.0 - pump_yield / abs(aim), 0.0)
+    stroke_rate = (settled - stroke) / lag
+    if rate > 0.0:
+        stroke_rate = min(max(stroke_rate, -back_rate), rate)
+
+    pump_torque_loss = 0.0
+    # slot pump_torque_loss
+    taken = stroke * difference
+    pump_torque = taken + (1.0 / interpolate2(
+        pump_pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
+    pump_torque += pump_torque_loss + p[P_charge_displacement] * settled_charge
+    far = difference / p[P_margin]
+    # Where the charge pump cannot hold the low side, its oil's spring decides.
+    fed = 1.0 if lacking < 0.9 * charge_flow else 0.0
+    return (stroke_rate, a_rate, b_rate, acceleration, motor_speed,
+            stroke, (delivered - a_loss) / motor_displacement,
+            (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
+            pump_torque, pump_torque * pump_speed, drained,
+            swept + (drained if a_high else 0.0), pump_speed,
+            storage / motor_displacement, -storage / motor_displacement, p[P_inertia],
+            far, -far, -far * fed, far * fed, line_a_pressure, line_b_pressure, motor_speed)
+
+
+def numbers(rig: Rig) -> dict[str, float]:
+    """Return the parameters of the equations, SI."""
+    pump, charge, relief = rig.pump, rig.charge, rig.cross_port_relief
+    set_pressure = relief.set_pressure if relief else _USUAL
+    return {
+        **motor_numbers(rig),
+        'pump_shaft_speed': pump.shaft_speed, 'max_displacement': pump.max_displacement,
+        'displacement_lag': pump.displacement_lag, 'displacement_scale': 1.0,
+        'pump_leakage_scale': 1.0, 'relief_set_pressure': set_pressure,
+        'relief_gain': 1.0 / relief.override if relief else 0.0,
+        'charge_relief': charge.relief_pressure, 'charge_override': charge.relief_override,
+        'charge_displacement': charge.pump_displacement, 'check_valve': charge.check_valve,
+        'flushing': charge.flushing, 'margin': _MARGIN * set_pressure,
+        'sign_scale': CONSTANTS['SIGN_WIDTH'] / (SIGN_SPEED * max(rig.full_speed, 1e-6)),
+    }
+
+
+CIRCUIT = Circuit(
+    id='closed',
+    title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
+    hold=hold, equations=equations, helpers=(charged, motor_leaks, shaft_torque), numbers=numbers,
+    sections=('pump', 'motor', 'line', 'charge'),
+    steps=lambda numbers: _STEP * (numbers['check_valve'] * numbers['volume']
+                                   / numbers['bulk_modulus']),
+    tables={'DISPLACEMENT': lambda rig: rig.pump.displacement,
+            'PUMP_LEAKAGE': lambda rig: rig.pump.leakage,
+            'PUMP_EFFICIENCY': lambda rig: rig.pump.mechanical_efficiency, **TABLES},
+    scaled={'pump.displacement_vs_command': 'displacement_scale',
+            'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
+            'charge.relief_pressure': 'charge_relief',
+            'charge.pump_displacement': 'charge_displacement', **SCALED},
+    states=(State('pump_displacement', 'm^3/rad'), State('line_a_pressure', 'Pa', 'charge_relief'),
+            State('line_b_pressure', 'Pa', 'charge_relief'), State('motor_speed', 'rad/s'),
+            State('motor_angle', 'rad')),
+    held_inputs=(Input('pump_command'),),
+    inputs=(Input('pump_speed', math.nan), Input('charge_pressure', math.nan),
+            Input('oil_temperature'), Input('viscosity_ratio', 1.0), Input('motor_torque'),
+            Input('opposing_torque'), Input('motor_displacement_command')),
+    quantities=('pump_displacement', 'speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
+                'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
+                'motor_inlet_flow', 'pump_speed', 'a_storage', 'b_storage', 'inertia', 'a_high',
+                'b_high', 'a_held', 'b_held', 'line_a_pressure', 'line_b_pressure', 'motor_speed'),
+    balances=(
+        Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
+                (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
+                 Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
+                needs=('line_a_pressure', 'line_b_pressure', _STROKE), per='motor_displacement',
+                formula='formula_pump_flow'),
+        Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
+                (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
+        Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',
+                (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
+        Balance('charge line', 'charge_pressure', 'flow', 'Pa', 'charge pressure',
+                (Part('charge_pressure'),),
+                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure', _STROKE)),
+        Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
+                (Part('motor_torque', '', 'motor_speed', 'inertia'),),
+                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
+                formula='formula_torque'),
+        Balance('stroke', 'pump_displacement', 'pump_actuator', 'm^3/rad',
+                'displacement of the pump', (Part('pump_displacement'),),
+                needs=('pump_command',)),
+        Balance('pump torque', 'pump_torque', 'torque', 'N.m', 'torque of the pump',
+                (Part('pump_torque'),),
+                needs=('line_a_pressure', 'line_b_pressure', _STROKE)),
+        Balance('pump power', 'pump_power', 'torque', 'W', 'power of the pump',
+                (Part('pump_power'),),
+                needs=('line_a_pressure', 'line_b_pressure', _STROKE)),
+        Balance('hydromotor flow', 'motor_inlet_flow', 'flow', 'm^3/s',
+                'oil that turns the hydromotor', (Part('motor_inlet_flow'),),
+                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
+                formula='formula_motor_flow'),
+        Balance('case drain', 'case_drain_flow', 'flow', 'm^3/s', 'leakage of the hydromotor',
+                (Part('case_drain_flow'),),
+                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
+                formula='formula_motor_flow'),
+    ),
+)

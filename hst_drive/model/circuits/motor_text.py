@@ -1,0 +1,65 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
+
+
+def motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+                motor_displacement, p, on, cells, layout):
+    """Return what the hydromotor leaks into its case at a pressure difference, m^3/s."""
+    bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
+    pistons, characterised_at = p[P_pistons], p[P_characterised_at]
+    motor_leakage = p[P_motor_leakage_scale] * interpolate2(
+        pressure, abs(motor_speed), T_MOTOR_LEAKAGE, cells, layout)
+    flow = motor_displacement * abs(motor_speed) + motor_leakage
+    motor_flow_loss = 0.0
+    # slot motor_flow_loss
+    return motor_leakage + motor_flow_loss
+
+
+def shaft_torque(pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+                 motor_displacement, p, on, cells, layout):
+    """
+    Return the torque at the shaft, N.m; ``side`` is 1 where line A carries the pressure.
+
+    What is lost brakes, whether oil drives the shaft or the shaft the oil.
+    """
+    oil_density, pistons = p[P_oil_density], p[P_pistons]
+    characterised_at, pprv_command = p[P_characterised_at], 0.0
+    direction = smooth_sign(motor_speed * p[P_sign_scale])
+    ideal = side * pressure * motor_displacement
+    efficiency = p[P_motor_efficiency_scale] * interpolate2(
+        pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
+    friction = 0.0
+    if p[P_by_coefficients] > 0.0:
+        efficiency = p[P_motor_efficiency_scale] * (1.0 - p[P_torque_share])
+        friction = p[P_coulomb] + p[P_viscous] * abs(motor_speed)
+    drive = ideal - ((1.0 - efficiency) * abs(ideal) + friction) * direction
+    load_torque = abs(drive)
+    whole_load_torque = 0.0
+    # slot load_torque
+    motor_torque_loss = motor_torque = 0.0
+    # slot motor_torque_loss
+    # slot motor_torque
+    return motor_torque + drive - (motor_torque_loss + whole_load_torque) * direction
+
+
+def motor_numbers(rig):
+    """Return the parameters of this text, SI."""
+    motor, line = rig.motor, rig.line
+    coulomb, viscous, share = motor.torque_loss or (0.0, 0.0, 0.0)
+    return {
+        'motor_displacement': motor.displacement,
+        'second_displacement': motor.second_displacement, 'inertia': motor.inertia,
+        'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
+        'pistons': float(motor.pistons), 'coulomb': coulomb, 'viscous': viscous,
+        'torque_share': share, 'by_coefficients': float(motor.torque_loss is not None),
+        'bulk_modulus': line.bulk_modulus, 'volume': line.volume,
+        'oil_density': line.oil_density, 'characterised_at': rig.characterised_at}
+
+
+SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
+          'line.bulk_modulus': 'bulk_modulus', 'motor.leakage': 'motor_leakage_scale',
+          'motor.mechanical_efficiency': 'motor_efficiency_scale'}
+TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
+          'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
+SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign

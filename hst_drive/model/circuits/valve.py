@@ -1,0 +1,158 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A hydromotor behind a proportional valve on a supply of constant, or measured, pressure.
+
+An opening above 0 lets oil from the supply into line A and from line B to the return, one edge
+each; below 0 the other way. Signs as in ``closed``.
+"""
+import math
+
+from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
+from hst_drive.model.circuits.motor_text import (
+    motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+from hst_drive.model.compose import CONSTANTS
+from hst_drive.rig import Rig
+
+_OPEN = 0.05        # of the stroke: a spool nearer to its middle tells nothing of its edges
+_STEP = 0.2         # of the time in which an edge fills a line at a hundredth of the supply
+_SMOOTH = 1e-3      # of the supply: a drop below it makes a laminar flow
+
+
+def hold(valve_command, interval, memory, p, on, cells, layout):
+    """Return what holds until the next row: aim of the spool (of its stroke) and its lag, s."""
+    valve_lag = p[P_valve_lag]
+    # slot valve_command
+    # slot valve_lag
+    aim = interpolate(valve_command, T_OPENING, cells, layout)
+    return aim, max(valve_lag, 1e-4)
+
+
+def edge(drop, opening, p):
+    """Return the flow through an edge, m^3/s: turbulent, laminar about no drop."""
+    return p[P_valve_gain] * opening * drop / (drop * drop + p[P_smooth] * p[P_smooth])**0.25
+
+
+def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag,
+              supply_measured, oil_temperature, viscosity_ratio, motor_torque_load,
+              opposing_torque, motor_displacement_command, p, on, cells, layout):
+    """Return the rates of the states, then the quantities."""
+    motor_displacement = p[P_motor_displacement]
+    if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
+        motor_displacement = p[P_second_displacement]
+    bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
+    pistons, characterised_at = p[P_pistons], p[P_characterised_at]
+    difference = line_a_pressure - line_b_pressure
+    side = 1.0 if difference >= 0.0 else -1.0
+    pump_pressure = pressure = abs(difference)
+    swept = motor_displacement * motor_speed
+    flow = abs(swept)
+    line_drop = 0.0
+    # slot line_drop
+    pressure = max(pressure - line_drop, 0.0)
+    back_pressure = 0.0
+    # slot back_pressure
+    drained = motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+                          motor_displacement, p, on, cells, layout)
+    motor_leakage = drained
+    cross_port_pressure = p[P_supply]
+    cross_port_flow = 0.0
+    # slot cross_port_flow
+    a_loss, b_loss = drained + cross_port_flow, -cross_port_flow
+    if side < 0.0:
+        a_loss, b_loss = b_loss, a_loss
+    supply = p[P_supply]
+    if not math.isnan(supply_measured):
+        supply = supply_measured
+    if opening >= 0.0:
+        into_a = edge(supply - line_a_pressure, opening, p)
+        into_b = edge(back_pressure - line_b_pressure, opening, p)
+    else:
+        into_a = edge(back_pressure - line_a_pressure, -opening, p)
+        into_b = edge(supply - line_b_pressure, -opening, p)
+    compliance = 1.0 / bulk_modulus
+    # slot compliance
+    gear_twist = 0.0
+    # slot gear_twist
+    storage = line_volume * compliance + motor_displacement * motor_displacement * gear_twist
+    a_rate = (into_a - swept - a_loss) / storage
+    b_rate = (into_b + swept - b_loss) / storage
+    if line_a_pressure <= CAVITATION_PRESSURE:
+        a_rate = max(a_rate, 0.0)
+    if line_b_pressure <= CAVITATION_PRESSURE:
+        b_rate = max(b_rate, 0.0)
+    motor_torque = shaft_torque(
+        pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+        motor_displacement, p, on, cells, layout)
+    braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
+    acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
+    # What goes back through its edge tells the pressure before it.
+    wide = max(abs(opening), 0.01) * p[P_valve_gain]
+    a_returns, b_returns = max(-swept - a_loss, 0.0) / wide, max(swept - b_loss, 0.0) / wide
+    forth = opening / p[P_open]
+    return ((aim - opening) / lag, a_rate, b_rate, acceleration, motor_speed,
+            (into_a - a_loss) / motor_displacement, -(into_b - b_loss) / motor_displacement,
+            back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
+            motor_torque, drained, swept + (drained if side > 0.0 else 0.0),
+            storage / motor_displacement, -storage / motor_displacement, p[P_inertia], forth,
+            -forth, line_a_pressure, line_b_pressure, motor_speed)
+
+
+def numbers(rig: Rig) -> dict[str, float]:
+    """Return the parameters of the equations, SI."""
+    valve, supply, found = rig.valve, rig.supply.pressure, motor_numbers(rig)
+    gain = valve.rated_flow / math.sqrt(valve.rated_pressure_drop)
+    full = gain * math.sqrt(supply / 2.0) / found['motor_displacement']
+    return {**found, 'valve_lag': valve.lag, 'valve_gain': gain, 'supply': supply,
+            'smooth': _SMOOTH * supply, 'open': _OPEN,
+            'sign_scale': CONSTANTS['SIGN_WIDTH'] / (SIGN_SPEED * full)}
+
+
+def steps(found: dict[str, float]) -> float:
+    """Return the longest integration step, s."""
+    steepest = found['valve_gain'] / math.sqrt(0.01 * found['supply'])
+    return _STEP * found['volume'] / found['bulk_modulus'] / steepest
+
+
+_LINES = ('line_a_pressure', 'line_b_pressure')
+CIRCUIT = Circuit(
+    id='valve',
+    title='valve circuit: supply, proportional valve, hydromotors',
+    hold=hold, equations=equations, helpers=(edge, motor_leaks, shaft_torque), numbers=numbers,
+    steps=steps, sections=('supply', 'valve', 'motor', 'line'),
+    tables={'OPENING': lambda rig: rig.valve.opening, **TABLES},
+    scaled={'valve.rated_flow': 'valve_gain', 'valve.lag': 'valve_lag', **SCALED},
+    states=(State('opening', '1'), State('line_a_pressure', 'Pa'),
+            State('line_b_pressure', 'Pa'), State('motor_speed', 'rad/s'),
+            State('motor_angle', 'rad')),
+    held_inputs=(Input('valve_command'),),
+    inputs=(Input('pump_outlet_pressure', math.nan), Input('oil_temperature'),
+            Input('viscosity_ratio', 1.0), Input('motor_torque'), Input('opposing_torque'),
+            Input('motor_displacement_command')),
+    quantities=('speed_by_a', 'speed_by_b', 'a_return', 'b_return', 'motor_torque',
+                'case_drain_flow', 'motor_inlet_flow', 'a_storage', 'b_storage', 'inertia',
+                'forth', 'back', 'line_a_pressure', 'line_b_pressure', 'motor_speed'),
+    balances=(
+        Balance('feeding edge', 'motor_speed', 'flow', 'm^3/s',
+                'oil between valve and hydromotor',
+                (Part('speed_by_a', 'forth', 'line_a_pressure', 'a_storage'),
+                 Part('speed_by_b', 'back', 'line_b_pressure', 'b_storage')),
+                needs=('valve_command', *_LINES), per='motor_displacement',
+                formula='formula_motor_flow'),
+        Balance('returning edge A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the return',
+                (Part('a_return', 'back'),),
+                needs=('valve_command', 'motor_speed', 'line_b_pressure')),
+        Balance('returning edge B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the return',
+                (Part('b_return', 'forth'),),
+                needs=('valve_command', 'motor_speed', 'line_a_pressure')),
+        Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
+                (Part('motor_torque', '', 'motor_speed', 'inertia'),),
+                needs=('motor_speed', *_LINES), formula='formula_torque'),
+        Balance('hydromotor flow', 'motor_inlet_flow', 'flow', 'm^3/s',
+                'oil that turns the hydromotor', (Part('motor_inlet_flow'),),
+                needs=('motor_speed', *_LINES), formula='formula_motor_flow'),
+        Balance('case drain', 'case_drain_flow', 'flow', 'm^3/s', 'leakage of the hydromotor',
+                (Part('case_drain_flow'),), needs=('motor_speed', *_LINES),
+                formula='formula_motor_flow'),
+    ),
+)
