@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The drive of the plant's node, by circuit: what it takes, and what it gives from step to step."""
+"""The drive of the plant's node, by circuit: what it takes, and what it gives at each step."""
 from __future__ import annotations
 
 from collections.abc import Mapping

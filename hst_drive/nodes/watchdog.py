@@ -13,8 +13,8 @@ import threading
 import time
 
 BEAT = 0.5          # s between two looks
-WOKEN = 4           # looks without a turn of the loop after which it is woken, each time
-ENDED = 40          # and after which the process ends
+WOKEN = 8           # looks without a turn of the loop after which it is woken, each time
+ENDED = 120         # and after which the process ends
 _OURS = str(Path(__file__).resolve().parents[1])
 
 
