@@ -13,16 +13,18 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance, Part
 from hst_drive.model.part import PartModel
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 _SETTLES = 2.0      # s before the first row in which the actuator settles on its command
 _CHANGES = 0.3      # s before and after the lines change their parts that are not judged
+_TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -83,9 +85,11 @@ class CircuitReplay(PartReplay):
         needed = [part.when for part in self._by_name[name].parts]
         if not all(needed):
             return np.ones(len(run), dtype=bool)
-        told = {entry.name: np.nan_to_num(run[entry.name]) for entry in model.circuit.states
-                if entry.name in run}
-        known = {key: np.nan_to_num(values) for key, values in run.channels.items()}
+        known = {key: filled(values, hold=CHANNELS[key].hold == 'zero')
+                 for key, values in run.channels.items()}
+        # A sensor's noise must not tell.
+        told = {entry.name: gaussian_filter1d(known[entry.name], _TELLS / run.sample_time)
+                for entry in model.circuit.states if entry.name in known}
         found = model.run(run.time - run.time[0], known, told)
         width = 2 * int(_CHANGES / run.sample_time) + 1
         # The lines change their parts within moments, in which neither balance is simple.

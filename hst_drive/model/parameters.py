@@ -29,6 +29,7 @@ SCALED: dict[str, str] = {
     'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
     'motor.leakage': 'motor_leakage_scale',
     'motor.mechanical_efficiency': 'motor_efficiency_scale',
+    'gear.efficiency': 'motor_efficiency_scale',
     'loading.pump_mechanical_efficiency': 'load_efficiency_scale',
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
@@ -102,7 +103,8 @@ def cells_of(tables: Sequence[Curve | Surface]) -> tuple[np.ndarray, np.ndarray]
         cells += [*found]
         end += found.shape[0] * found.shape[1]
     # Unsigned: with an index that may be negative the compiled code would look at its sign.
-    return np.concatenate(cells), np.array(layout, dtype=np.uint64)
+    return (np.concatenate([*cells, np.empty((0, 8))]),
+            np.array(layout, dtype=np.uint64).reshape(-1, 3))
 
 
 def _cells(table: Curve | Surface) -> np.ndarray:

@@ -78,6 +78,12 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
             pump.displacement.y[0] < 0):
         raise InputError(f"{source}: 'pump.displacement_vs_command' falls below 0; a pump that "
                          "delivers both ways needs 'circuit: closed' in the rig file")
+    if content.get('circuit', parts.OPEN) == parts.OPEN:
+        for key in content.get('tolerances_1_sigma_relative') or {}:
+            if str(key).partition('.')[0] in ('charge', 'valve'):
+                raise InputError(f"{source}: 'tolerances_1_sigma_relative.{key}' belongs to "
+                                 "another circuit; add 'circuit: closed' or 'circuit: valve', or "
+                                 'leave it out')
     provenance = content.get('provenance') or {}
     if not isinstance(provenance, dict):
         raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")

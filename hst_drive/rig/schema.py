@@ -179,7 +179,7 @@ TOLERANCES: tuple[str, ...] = (
     'pump.displacement_lag', 'pump.leakage', 'motor.leakage', 'motor.mechanical_efficiency',
     'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
     'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
-    'valve.rated_flow', 'valve.lag',
+    'gear.efficiency', 'valve.rated_flow', 'valve.lag',
 )
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.

@@ -97,15 +97,19 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     flow = motor_displacement * speed
     line_drop = 0.0
     # slot line_drop
-    pressure = max(pump_pressure - line_drop, 0.0)
-    drained = motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-                          motor_displacement, p, on, cells, layout)
+    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
+    pressure = max(high - line_drop, 0.0)
+    drained, drained_low = motor_leaks(
+        pressure, max(low, 0.0), motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+        motor_displacement, p, on, cells, layout)
     motor_leakage = drained
     cross_port_flow = 0.0
     # slot cross_port_flow
     cross_port_flow += max(pump_pressure - cross_port_pressure, 0.0) * p[P_relief_gain]
+    pump_leakage_low = p[P_pump_leakage_scale] * interpolate2(
+        max(low, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
-        pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
+        max(high, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_speed = nominal_speed
     # slot pump_speed
     if not math.isnan(pump_speed_measured):
@@ -113,12 +117,11 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pump_flow_loss = 0.0
     # slot pump_flow_loss
     lost = drained + pump_leakage + pump_flow_loss
-    a_loss, b_loss = -cross_port_flow, lost + cross_port_flow
+    a_loss, b_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
     if a_high:
         a_loss, b_loss = b_loss, a_loss
     delivered, swept = stroke * pump_speed, motor_displacement * motor_speed
 
-    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
     charge_pressure = 0.0
     # slot charge_pressure
     relief = max(p[P_charge_relief] - charge_pressure, 0.0)
@@ -152,6 +155,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
 
+    pressure = max(pump_pressure - line_drop, 0.0)
     motor_torque = shaft_torque(
         pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
         motor_displacement, p, on, cells, layout)
@@ -174,15 +178,15 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         pump_pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
     pump_torque += pump_torque_loss + p[P_charge_displacement] * settled_charge
     far = difference / p[P_margin]
-    # Where the charge pump cannot hold the low side, its oil's spring decides.
-    fed = 1.0 if lacking < 0.9 * charge_flow else 0.0
+    # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
+    fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow else 0.0
     return (stroke_rate, a_rate, b_rate, acceleration, motor_speed,
             stroke, (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
-            pump_torque, pump_torque * pump_speed, drained,
-            swept + (drained if a_high else 0.0), pump_speed,
+            pump_torque, pump_torque * pump_speed, drained + drained_low,
+            swept + (drained if a_high else -drained), pump_speed,
             storage / motor_displacement, -storage / motor_displacement, p[P_inertia],
-            far, -far, -far * fed, far * fed, line_a_pressure, line_b_pressure, motor_speed)
+            far, -far, -far * fed, far * fed, fed, line_a_pressure, line_b_pressure, motor_speed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -226,7 +230,8 @@ CIRCUIT = Circuit(
     quantities=('pump_displacement', 'speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
                 'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
                 'motor_inlet_flow', 'pump_speed', 'a_storage', 'b_storage', 'inertia', 'a_high',
-                'b_high', 'a_held', 'b_held', 'line_a_pressure', 'line_b_pressure', 'motor_speed'),
+                'b_high', 'a_held', 'b_held', 'fed', 'line_a_pressure', 'line_b_pressure',
+                'motor_speed'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
@@ -238,7 +243,7 @@ CIRCUIT = Circuit(
         Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'Pa', 'charge pressure',
-                (Part('charge_pressure'),),
+                (Part('charge_pressure', 'fed'),),
                 needs=('motor_speed', 'line_a_pressure', 'line_b_pressure', _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),

@@ -3,9 +3,13 @@
 """The hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
 
 
-def motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
                 motor_displacement, p, on, cells, layout):
-    """Return what the hydromotor leaks into its case at a pressure difference, m^3/s."""
+    """
+    Return what the hydromotor leaks into its case, m^3/s: from the high line, from the low one.
+
+    A piston leaks at the pressure that it stands under; effects are those of the high side.
+    """
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
     motor_leakage = p[P_motor_leakage_scale] * interpolate2(
@@ -13,7 +17,8 @@ def motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_r
     flow = motor_displacement * abs(motor_speed) + motor_leakage
     motor_flow_loss = 0.0
     # slot motor_flow_loss
-    return motor_leakage + motor_flow_loss
+    return motor_leakage + motor_flow_loss, p[P_motor_leakage_scale] * interpolate2(
+        low, abs(motor_speed), T_MOTOR_LEAKAGE, cells, layout)
 
 
 def shaft_torque(pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
@@ -59,7 +64,8 @@ def motor_numbers(rig):
 
 SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
           'line.bulk_modulus': 'bulk_modulus', 'motor.leakage': 'motor_leakage_scale',
-          'motor.mechanical_efficiency': 'motor_efficiency_scale'}
+          'motor.mechanical_efficiency': 'motor_efficiency_scale',
+          'gear.efficiency': 'motor_efficiency_scale'}
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
 SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign

@@ -52,13 +52,15 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     pressure = max(pressure - line_drop, 0.0)
     back_pressure = 0.0
     # slot back_pressure
-    drained = motor_leaks(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-                          motor_displacement, p, on, cells, layout)
+    low = max(min(line_a_pressure, line_b_pressure), 0.0)
+    drained, drained_low = motor_leaks(
+        pressure + low, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+        motor_displacement, p, on, cells, layout)
     motor_leakage = drained
     cross_port_pressure = p[P_supply]
     cross_port_flow = 0.0
     # slot cross_port_flow
-    a_loss, b_loss = drained + cross_port_flow, -cross_port_flow
+    a_loss, b_loss = drained + cross_port_flow, drained_low - cross_port_flow
     if side < 0.0:
         a_loss, b_loss = b_loss, a_loss
     supply = p[P_supply]
@@ -93,7 +95,7 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     return ((aim - opening) / lag, a_rate, b_rate, acceleration, motor_speed,
             (into_a - a_loss) / motor_displacement, -(into_b - b_loss) / motor_displacement,
             back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
-            motor_torque, drained, swept + (drained if side > 0.0 else 0.0),
+            motor_torque, drained + drained_low, swept + (drained if side > 0.0 else -drained),
             storage / motor_displacement, -storage / motor_displacement, p[P_inertia], forth,
             -forth, line_a_pressure, line_b_pressure, motor_speed)
 

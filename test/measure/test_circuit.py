@@ -1,0 +1,73 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs of other circuits: balance by balance, on an independent machine with known leaks."""
+import json
+
+from hst_drive.bag import read_log
+from hst_drive.diagnose import diagnose
+from hst_drive.errors import InputError
+from hst_drive.measure.circuit import part_replay
+from hst_drive.measure.compare import compare, model_of
+from hst_drive.rig import load_rig
+import numpy as np
+import pytest
+
+make = pytest.importorskip('test.truth.closed.make')
+
+
+def campaign(folder, *options):
+    """Return rig, logs and truth of one campaign of the independent generator."""
+    make.main(['--count', '1', '-o', str(folder), *options])
+    place = folder / '0000'
+    logs = {path.stem: read_log(path) for path in sorted(place.glob('*.csv'))}
+    return load_rig(place / 'rig.yaml'), logs, json.loads((place / 'truth.json').read_text())
+
+
+@pytest.fixture(scope='module')
+def healthy(tmp_path_factory):
+    """Return a healthy closed circuit, off its datasheet within tolerances."""
+    return campaign(tmp_path_factory.mktemp('healthy'), '--circuit', 'closed', '--kind', 'none',
+                    '--seed', '100')
+
+
+def test_a_healthy_closed_circuit_is_near_its_model(healthy):
+    """A machine with other equations, servo and states: torque and drain near the floor."""
+    rig, logs, truth = healthy
+    assert not truth['effects']
+    result = compare(model_of(rig, [logs['reverse']]), [logs['reverse']])
+    assert {'motor_speed', 'line_a_pressure', 'line_b_pressure'} <= set(result.signals)
+    for name in ('motor_torque', 'case_drain_flow'):
+        assert result.signals[name].noise_ratio < 3.0, name
+
+
+def test_channels_that_close_nothing_are_told(healthy):
+    """One line says what each balance lacks."""
+    rig, logs, _ = healthy
+    run = logs['drilling']
+    poor = type(run)('poor', run.time, {'motor_speed': run['motor_speed']}, 'poor.csv')
+    with pytest.raises(InputError, match="poor.csv: its channels .* close no balance of 'circuit"):
+        part_replay(poor, model_of(rig, [run]))
+
+
+def test_without_a_torque_sensor_the_flows_are_judged(healthy):
+    """A load that is not measured leaves the balances of flow."""
+    rig, logs, _ = healthy
+    run = logs['reverse']
+    kept = {name: values for name, values in run.channels.items() if name != 'motor_torque'}
+    replay = part_replay(type(run)('bare', run.time, kept, 'bare.csv'), model_of(rig, [run]))
+    assert 'motor_torque' not in replay.signals and 'motor_speed' in replay.signals
+    both = replay.predict(model_of(rig, [run])).signals['motor_speed']
+    forth, back = run['motor_speed'] > 5.0, run['motor_speed'] < -5.0
+    for way in (forth, back):
+        assert np.nanmedian(np.abs(both[way] / run['motor_speed'][way] - 1.0)) < 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('effect', ['motor_leakage', 'charge_pressure_loss'])
+def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):
+    """From forward and backward drilling of an independent machine."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single', '--effect',
+                                effect, '--seed', '300')
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert [entry.id for entry in found.effects][:1] == [effect], truth

@@ -1,0 +1,189 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Circuits: closed forms, mirrored machines, another solver, a circuit of one's own."""
+import dataclasses
+import math
+
+from hst_drive.errors import InputError
+from hst_drive.model import circuits
+from hst_drive.model.circuit_model import CircuitModel, part_model
+from hst_drive.model.circuits import Circuit, circuit_of, Input, Part, State
+from hst_drive.model.circuits.base import Balance
+from hst_drive.resources import share
+from hst_drive.rig import load_rig, parse_rig
+from hst_drive.rig.yaml_file import read_yaml
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+CLOSED = load_rig(share('config', 'rig', 'closed_rig.yaml'))
+BAR, L_MIN, CC_REV = 1e5, 1.0 / 60e3, 1e-6 / (2.0 * math.pi)
+VALVE = parse_rig({
+    'name': 'valve', 'circuit': 'valve', 'supply': {'pressure_bar': 210},
+    'valve': {'rated_flow_L_min': 60, 'rated_pressure_drop_bar': 35, 'lag_s': 0.02,
+              'opening_vs_command': {'command_V': [-10, 0, 10], 'opening': [-1, 0, 1]}},
+    'motor': {'displacement_cc_rev': 250, 'inertia_total_kg_m2': 2.0},
+    'line': {'volume_m3': 6e-4, 'bulk_modulus_Pa': 1.3e9}})
+COMMAND = {'closed': 'pump_command', 'valve': 'valve_command'}
+
+
+def moved(rig, command, torque, effects=None, seconds=6.0, compiled=None):
+    """Return a run from rest with command (V) and opposing torque (N.m) held."""
+    time = np.arange(0.0, seconds, 0.01)
+    model = CircuitModel(rig, effects, compiled=compiled)
+    return time, model.run(time, {COMMAND[rig.circuit]: np.full(len(time), command),
+                                  'opposing_torque': np.full(len(time), torque)}, {})
+
+
+def test_steady_state_of_a_closed_circuit_by_hand():
+    """Speed, both pressures, charge pressure and torque follow from the sheet's numbers."""
+    _, found = moved(CLOSED, 6.0, 4000.0)
+    last = {name: values[-1] for name, values in found.items()}
+    swept = 2 * 3.0 * 560 * CC_REV
+    # Gear, pressure share, Coulomb and viscous part of two motors turn torque into pressure.
+    speed = last['motor_speed']
+    friction = 6.0 * (20.0 + 0.6 * 3.0 * speed) * 0.97
+    difference = (4000.0 + friction) / (swept * 0.96 * 0.97)
+    assert last['line_a_pressure'] - last['line_b_pressure'] == pytest.approx(difference, rel=1e-4)
+    delivered = 71 * CC_REV * 5.0 / 9.0 * 1800 * 2 * math.pi / 60
+    high, low = last['line_a_pressure'] / BAR, last['line_b_pressure'] / BAR
+    leaks = (0.012 + 2 * 0.008) * L_MIN
+    assert speed == pytest.approx((delivered - leaks * high) / swept, rel=1e-4)
+    # What the low side lacks comes through the check valve, the rest goes over the relief.
+    lacking = leaks * (high + low) + 8.0 * L_MIN * low / 24.0
+    charge = 24.0 + 0.08 * (16 * CC_REV * 1800 * 2 * math.pi / 60 - lacking) / L_MIN
+    assert last['charge_pressure'] / BAR == pytest.approx(charge, rel=1e-3)
+    assert low == pytest.approx(charge - 0.05 * lacking / L_MIN, rel=1e-3)
+    assert last['motor_torque'] == pytest.approx(4000.0, rel=1e-3)
+    assert last['case_drain_flow'] / L_MIN == pytest.approx(0.016 * (high + low), rel=1e-3)
+
+
+@pytest.mark.parametrize('rig', [CLOSED, VALVE], ids=['closed', 'valve'])
+def test_a_mirrored_command_mirrors_the_machine(rig):
+    """Backwards is forwards with the lines exchanged."""
+    _, forth = moved(rig, 5.0, 300.0, seconds=2.0)
+    _, back = moved(rig, -5.0, 300.0, seconds=2.0)
+    for name, other, sign in (('motor_speed', 'motor_speed', -1.0),
+                              ('line_a_pressure', 'line_b_pressure', 1.0),
+                              ('line_b_pressure', 'line_a_pressure', 1.0),
+                              ('motor_torque', 'motor_torque', -1.0)):
+        spread = np.abs(forth[name]).max()
+        np.testing.assert_allclose(sign * back[other], forth[name], rtol=0.0, atol=1e-3 * spread)
+
+
+def test_steady_state_of_a_valve_by_hand():
+    """Two edges share what the load leaves of the supply: Q = Q_r * sqrt(dp/dp_r)."""
+    _, found = moved(VALVE, 5.0, 300.0)
+    speed, swept = found['motor_speed'][-1], 250 * CC_REV
+    load = 300.0 / swept / BAR
+    drop = (210.0 - load) / 2.0
+    assert speed * swept / L_MIN == pytest.approx(30.0 * math.sqrt(drop / 35.0), rel=2e-3)
+    assert found['line_b_pressure'][-1] / BAR == pytest.approx(drop, rel=5e-3)
+
+
+@pytest.mark.parametrize('effect, channel, sign', [
+    ('motor_leakage', 'motor_speed', -1), ('cross_port_leakage', 'motor_speed', -1),
+    ('charge_pressure_loss', 'line_b_pressure', -1), ('bearing_friction', 'line_a_pressure', 1),
+    ('swash_compliance', 'motor_speed', -1), ('gearbox_loss', 'line_a_pressure', 1),
+    ('cross_port_relief_cracking', 'motor_speed', -1)])
+def test_an_effect_of_the_catalogue_acts_in_a_closed_circuit(effect, channel, sign):
+    """Each from its one file, in both directions alike."""
+    for way in (1.0, -1.0):
+        _, without = moved(CLOSED, way * 6.0, 9000.0)
+        _, with_it = moved(CLOSED, way * 6.0, 9000.0, {effect: {}})
+        name = channel.replace('_a_', '_x_').replace('_b_', '_a_').replace('_x_', '_b_') if (
+            way < 0) else channel
+        turn = way if name == 'motor_speed' else 1.0
+        assert sign * turn * (with_it[name][-1] - without[name][-1]) > 0.0
+
+
+def test_what_leaks_from_line_to_line_needs_no_charge():
+    """The charge pump replaces what a hydromotor leaks, not what passes to the other line."""
+    _, without = moved(CLOSED, 6.0, 9000.0)
+    lost = {name: moved(CLOSED, 6.0, 9000.0, {name: {}})[1] for name in (
+        'motor_leakage', 'cross_port_leakage')}
+    charge = {name: without['charge_pressure'][-1] - found['charge_pressure'][-1]
+              for name, found in lost.items()}
+    assert charge['motor_leakage'] > 10 * abs(charge['cross_port_leakage'])
+
+
+def test_the_integrator_agrees_with_radau():
+    """SciPy's Radau on the same rates of a circuit of three equations, and a closed form."""
+    rig = parse_rig({'name': 'own', 'circuit': 'own', 'motor': {
+        'displacement_cc_rev': 100, 'inertia_total_kg_m2': 0.5}})
+    time = np.linspace(0.0, 2.0, 201)
+    pressure = 50e5 + 30e5 * np.sign(np.sin(4.0 * time))
+    found = CircuitModel(rig).run(time, {'pump_outlet_pressure': pressure}, {}, np.zeros(2))
+    swept = 100 * CC_REV
+
+    def rates(at, state):
+        return [(np.interp(at, time, pressure) * swept - 3.0 * state[0]) / 0.5, state[0]]
+
+    want = solve_ivp(rates, (0.0, 2.0), [0.0, 0.0], 'Radau', time, rtol=1e-9, atol=1e-9,
+                     max_step=1e-3)
+    np.testing.assert_allclose(found['motor_speed'], want.y[0], atol=1e-4 * want.y[0].max())
+    torque = CircuitModel(rig).run(time, {'pump_outlet_pressure': pressure}, {
+        'motor_speed': np.full(201, 7.0)})['motor_torque']
+    np.testing.assert_allclose(torque, pressure * swept - 21.0)
+
+
+@pytest.fixture(autouse=True)
+def own_circuit(monkeypatch):
+    """Add a circuit of three equations, as CONTRIBUTING's recipe has it."""
+    own = Circuit(
+        id='own', title='a hydromotor on a measured pressure', hold=hold, equations=equations,
+        numbers=lambda rig: {'motor_displacement': rig.motor.displacement,
+                             'inertia': rig.motor.inertia},
+        sections=('motor',), tables={}, scaled={'motor.inertia': 'inertia'},
+        steps=lambda numbers: 1e-3,
+        states=(State('motor_speed', 'rad/s', 'inertia'), State('motor_angle', 'rad')),
+        held_inputs=(Input('valve_command'),),
+        inputs=(Input('pump_outlet_pressure'), Input('motor_torque')),
+        quantities=('motor_torque', 'inertia'),
+        balances=(Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque at the shaft',
+                          (Part('motor_torque', '', 'motor_speed', 'inertia'),),
+                          needs=('motor_speed', 'pump_outlet_pressure')),))
+    monkeypatch.setattr(circuits, 'circuits', lambda: {**KNOWN, 'own': own})
+
+
+KNOWN = circuits.circuits()
+
+
+def hold(valve_command, interval, memory, p, on, cells, layout):
+    """Return what holds for a row: nothing moves here."""
+    return (valve_command,)
+
+
+def equations(motor_speed, motor_angle, spool, pump_outlet_pressure, load, p, on, cells, layout):
+    """Return acceleration, speed; torque and inertia."""
+    motor_torque_loss = 3.0 * motor_speed
+    # slot motor_torque_loss
+    torque = pump_outlet_pressure * p[P_motor_displacement] - motor_torque_loss  # noqa: F821
+    return ((torque - load) / p[P_inertia], motor_speed, torque, p[P_inertia])   # noqa: F821
+
+
+def test_effects_enter_a_circuit_of_ones_own():
+    """What reads only what it knows has a term, the others have none."""
+    model = CircuitModel(parse_rig({'name': 'own', 'circuit': 'own', 'motor': {
+        'displacement_cc_rev': 100, 'inertia_total_kg_m2': 0.5}}), compiled=False)
+    assert model.enters('hydrodynamic_drag') and not model.enters('pump_leakage')
+
+
+def test_unknown_circuits_and_missing_sections_are_told():
+    """One line each."""
+    content = read_yaml(share('config', 'rig', 'closed_rig.yaml'))
+    with pytest.raises(InputError, match="unknown circuit 'clsed'; did you mean 'closed'"):
+        circuit_of(parse_rig({**content, 'circuit': 'clsed'}))
+    without = {key: value for key, value in content.items() if key != 'charge'}
+    with pytest.raises(InputError, match="section 'charge' is missing; 'circuit: closed' needs"):
+        part_model(parse_rig(without))
+    with pytest.raises(InputError, match='delivers both ways'):
+        parse_rig({key: value for key, value in content.items() if key != 'circuit'})
+
+
+def test_motors_on_a_gear_are_one_at_the_measured_shaft():
+    """Two motors of half the size behind a gear of 3: the sheet's numbers, thrice as slow."""
+    one = dataclasses.replace(CLOSED.motor)
+    assert one.displacement == pytest.approx(2 * 3 * 560 * CC_REV)
+    assert one.leakage(100 * BAR, 1.0) == pytest.approx(2 * 0.8 * L_MIN, rel=1e-3)
+    assert one.torque_loss == pytest.approx((6 * 20 * 0.97, 18 * 0.6 * 0.97, 1 - 0.96 * 0.97))
