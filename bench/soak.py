@@ -6,6 +6,7 @@ All nodes for a long time: does memory grow, is a step late or lost, do clock an
     python -m bench.soak --minutes 20                  # real time
     python -m bench.soak --minutes 20 --first          # the nodes go before all other work
     python -m bench.soak --hours 24                    # simulated time, as fast as it goes
+    python -m bench.soak --hours 24 --rate 10          # a tenth of the steps
     python -m bench.soak --minutes 60 --respawn 10     # a node is killed every 10 min (respawn.py)
 
 The processes are watched from outside and the bag is read afterwards. Prints a table and OK, or
@@ -36,7 +37,6 @@ speed_setpoint: {{kind: random_steps, low_speed_rpm: 60, high_speed_rpm: 130, sh
 load: {{kind: random_steps, low_torque_N_m: 40, high_torque_N_m: 220, shortest_s: 3, longest_s: 15}}
 oil_temperature: {{kind: ramps, time_s: [0, {seconds}], temperature_degC: [40, 60]}}
 """  # noqa: E501
-PERIOD = 10_000_000     # ns
 _EVERY = 5.0            # s between two looks at the processes
 _WARM = 0.25            # of the time, until all has been allocated that is ever needed
 _STARTED = 2.0          # s after which the drive turns
@@ -58,6 +58,8 @@ def main(arguments: list[str] | None = None) -> int:
     length = parser.add_mutually_exclusive_group(required=True)
     length.add_argument('--minutes', type=float, help='of real time')
     length.add_argument('--hours', type=float, help='of simulated time')
+    parser.add_argument('--rate', type=float, default=100.0,
+                        help='samples per second (default: 100; with --respawn always)')
     parser.add_argument('--jitter', type=float, default=10.0,
                         help='ms by which a reading may come late (default: a period)')
     parser.add_argument('--late', type=float, default=0.1,
@@ -83,6 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
             return tell(soak(scenario, bag, seconds, 60.0 * args.respawn))
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'run', str(scenario), '-o', str(bag),
+             '--rate', str(args.rate),
              *(['--realtime'] if real else []), *(['--priority', '10'] if args.first else [])],
             stderr=subprocess.PIPE, text=True, stdout=subprocess.PIPE)
         began = time.monotonic()
@@ -97,8 +100,9 @@ def main(arguments: list[str] | None = None) -> int:
             print(err.strip().splitlines()[-1])
             return 1
         print(f'{machine()}; load average {os.getloadavg()[1]:.1f} in the last 5 minutes')
-        print(f'{seconds / 60:g} min in {"real" if real else "simulated"} time, {wall:.0f} s by '
-              f'the clock on the wall{", nodes before all other work" * args.first}\n')
+        print(f'{seconds / 60:g} min in {"real" if real else "simulated"} time, {args.rate:g} Hz, '
+              f'{wall:.0f} s by the clock on the wall'
+              f'{", nodes before all other work" * args.first}\n')
         wrong = judge_memory(memory, args.growth)
         wrong += judge_data(bag, seconds, real, args)
         wrong += judge_drive(bag) if real else []
@@ -166,8 +170,8 @@ def judge_memory(memory: dict[str, Memory], growth: float) -> list[str]:
 
 def judge_data(bag: Path, seconds: float, real: bool, args: argparse.Namespace) -> list[str]:
     """Print how the bag's messages lie in time; return what is out."""
-    wrong = []
-    steps = round(seconds * 1e9 / PERIOD)
+    wrong, period = [], 1e3 / args.rate     # ms
+    steps = round(seconds * args.rate)
     print()
     for name in ('motor', 'pump_command'):
         logged, stamps = times(bag, name)
@@ -177,7 +181,7 @@ def judge_data(bag: Path, seconds: float, real: bool, args: argparse.Namespace) 
         print(f'{name}: {len(stamps)} messages of {steps} steps, at most {gaps.max():.1f} ms '
               'apart')
         # Readings lie on the grid of the steps; a command has the time at which it was formed.
-        if len(stamps) < steps or name == 'motor' and gaps.max() > 1.5e-6 * PERIOD:
+        if len(stamps) < steps or name == 'motor' and gaps.max() > 1.5 * period:
             wrong.append(f'{name}: steps are missing')
         if not real:
             continue

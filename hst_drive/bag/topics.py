@@ -140,6 +140,9 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     Topic('oil_temperature', TEMPERATURE, 'oil', 'plant',
           (Field('temperature', 'degC', 'oil temperature', 'oil_temperature'),)),
     _pressure('pump_outlet_pressure', 'pump outlet pressure', 'pump_outlet'),
+    _pressure('line_a_pressure', 'pressure of line A', 'line_a', on=False),
+    _pressure('line_b_pressure', 'pressure of line B', 'line_b', on=False),
+    _pressure('charge_pressure', 'charge pressure', 'charge', on=False),
     _pressure('motor_inlet_pressure', 'hydromotor inlet pressure', 'motor_inlet', on=False),
     _pressure('motor_outlet_pressure', 'hydromotor outlet pressure', 'motor_outlet', on=False),
     _scalar('motor_inlet_flow', 'm^3/s', 'hydromotor inlet flow', 'motor_inlet', 'plant'),
@@ -183,6 +186,9 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     Topic('oil_temperature_command', TEMPERATURE, 'oil', 'load_profile', (
         Field('temperature', 'degC', 'oil temperature that the test bench sets'),),
         recorded=False),
+    Topic('load_torque_command', VECTOR3_STAMPED, 'motor', 'load_profile', (
+        Field('vector.x', 'N.m', 'torque against the motion that the test bench sets'),),
+        on=False, recorded=False),
     Topic('manual_pump_command', VECTOR3_STAMPED, 'pump', 'load_profile', (
         Field('vector.x', 'V', 'pump command of a manual run'),), recorded=False),
     Topic('emergency_stop', BOOL, '', 'operator', (),

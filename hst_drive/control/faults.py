@@ -45,7 +45,8 @@ class SafetySettings:
     bad_readings : int
         So many bad readings in a row are a fault; fewer are passed over.
     speed_limit : float
-        Readings are within +- this, set points between 0 and this, rad/s.
+        Readings are within +- this, set points between 0 (where commands have either sign:
+        minus this) and this, rad/s.
     acceleration_limit : float
         Largest change of the reading, rad/s^2.
     following_error_limit : float
@@ -53,10 +54,10 @@ class SafetySettings:
     following_error_timeout : float
         Longest time with a larger one that the command does not end, s; 0: not judged.
     stop_time, emergency_stop_time : float
-        Time of the ramp from the largest command to 0 V, s.
+        Time of the ramp from the largest command, either way, to 0 V, s.
     start_after_reset : bool
         A reset is refused above 0 V, and the drive stays there until it is started: by a set
-        point (manual command) that is back at its smallest, or by ``Supervisor.start``.
+        point (manual command) that is back at rest, or by ``Supervisor.start``.
     wait_for_start : bool
         The drive stays at 0 V from the beginning on until it is started in that way.
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 import math
 
+_KNEE = 0.05    # V: within it the step over a dead band is a slope, so that noise does not chatter
 ANTIWINDUP_STRATEGIES = ('conditional_integration', 'back_calculation', 'none')
 
 
@@ -33,7 +34,8 @@ class PiController:
     sample_time : float
         Seconds between updates.
     limits : (float, float)
-        ``u_clamp_min`` and ``u_clamp_max`` of the command, V.
+        ``u_clamp_min`` and ``u_clamp_max`` of the command, V. With a negative one the drive turns
+        either way: 0 V is zero stroke.
     antiwindup_strategy : str
         Names as in ros2_controllers. 'conditional_integration': while the command is clipped
         the integral is held, unless the error drives the command back inside. (Holding it
@@ -47,6 +49,9 @@ class PiController:
         speed. None: no limit.
     feed_forward : callable, optional
         Command in V for a set point in rad/s; see ``PumpFeedForward``. None: off.
+    dead_band : float
+        V to either side of 0 V in which the pump gives nothing: the command steps over it, and
+        all above counts from its edge.
 
     Raises
     ------
@@ -60,7 +65,7 @@ class PiController:
                  antiwindup_strategy: str = 'conditional_integration',
                  tracking_time_constant: float | None = None,
                  setpoint_rate_limit: float | None = None,
-                 feed_forward: Callable[[float], float] | None = None):
+                 feed_forward: Callable[[float], float] | None = None, dead_band: float = 0.0):
         self.u_clamp_min, self.u_clamp_max = (float(limit) for limit in limits)
         self.kp, self.ki, self.sample_time = float(kp), float(ki), float(sample_time)
         if not all(map(math.isfinite, (self.kp, self.ki))) or self.kp < 0 or self.ki < 0:
@@ -72,6 +77,10 @@ class PiController:
         if antiwindup_strategy not in ANTIWINDUP_STRATEGIES:
             raise ValueError(f'antiwindup_strategy {antiwindup_strategy!r}: expected one of '
                              f'{", ".join(ANTIWINDUP_STRATEGIES)}')
+        if not 0.0 <= dead_band < max(self.u_clamp_max, -self.u_clamp_min):
+            raise ValueError(f'dead_band={dead_band}: expected 0 V to less than the limits')
+        self.dead_band = float(dead_band)
+        self._limits = self._within(self.u_clamp_min), self._within(self.u_clamp_max)
         self.antiwindup_strategy = antiwindup_strategy
         if tracking_time_constant is None and self.ki > 0:
             # With kp = 0 the ratio is 0, too stiff for one sample: draw back within a sample.
@@ -95,11 +104,12 @@ class PiController:
         ----------
         output : float, optional
             Bumpless start: the next update returns this command (V, clipped to the limits),
-            whatever the error is then. None: the integral starts at zero.
+            whatever the error is then. None: the integral starts at zero, the command at the one
+            next to 0 V.
 
         """
         self.integral = 0.0
-        self.command = self.u_clamp_min if output is None else self._clip(float(output))
+        self.command = min(max(output or 0.0, self.u_clamp_min), self.u_clamp_max)
         self._bumpless = output is not None
         self._ramped: float | None = None
         self._error = self._late_rate = 0.0
@@ -128,11 +138,12 @@ class PiController:
         if self.feed_forward is not None:
             direct += self.feed_forward(setpoint)
         if self._bumpless:
-            self.integral = self.command - direct
+            self.integral = self._within(self.command) - direct
             self._bumpless = False
         raw = direct + self.integral
-        self.command = self._clip(raw)
-        excess = raw - self.command
+        inner = min(max(raw, self._limits[0]), self._limits[1])
+        self.command = inner + self.dead_band * min(max(inner / _KNEE, -1.0), 1.0)
+        excess = raw - inner
         self.integral += self._integral_rate(error, excess) * self.sample_time
         # The time beyond it draws nothing back: longer than the time constant it would overshoot.
         winds_up = error * excess > 0.0 and self.antiwindup_strategy != 'none'
@@ -156,8 +167,11 @@ class PiController:
         self.integral += (self.kp - kp) * self._error
         self.kp, self.ki = float(kp), float(ki)
 
-    def _clip(self, value: float) -> float:
-        return min(max(value, self.u_clamp_min), self.u_clamp_max)
+    def _within(self, command: float) -> float:
+        """Return what the law has to give for a command, which has the dead band in it."""
+        if abs(command) <= _KNEE + self.dead_band:
+            return command / (1.0 + self.dead_band / _KNEE)
+        return command - math.copysign(self.dead_band, command)
 
     def _integral_rate(self, error: float, excess: float) -> float:
         """Return the change of the integral, V/s; ``excess`` (V) is what was clipped off."""

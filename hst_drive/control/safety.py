@@ -6,7 +6,7 @@ What takes the drive to standstill when the controller may no longer be trusted.
 ``Supervisor`` judges every reading and every wish before the law sees them. A fault is latched:
 from then on the command falls on a straight line to 0 V (no displacement), and nothing but
 ``reset`` ends that, once the cause is gone. A reset does not start the drive: it stays at 0 V
-until the set point has been back at its smallest, or ``start`` is called.
+until the set point has been back at rest, or ``start`` is called.
 """
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ import math
 from typing import NamedTuple
 
 from hst_drive.control.faults import Fault, FAULTS, SafetySettings
+from hst_drive.control.ramp import Ramp
 
 WAITING, READY, RUNNING = 'waiting', 'ready', 'running'
 STOPPING, STOPPED = 'stopping', 'stopped'
 _FORGIVEN = 0.25   # of a bad reading by each good one: more than one in five trips in the end
 _SHARE = 0.5       # of the set point: loaded, at full stroke, the drive turns slower, but it turns
 _NEARER = 0.9      # an error that falls to this share of itself is a drive that follows slowly
-_MOVED = 0.01      # of the range of the command: less is the noise of the speed times kp
+_MOVED = 0.01      # of the command's range, one way: less is the speed's noise times kp
 
 
 class _Apart(NamedTuple):
@@ -28,13 +29,6 @@ class _Apart(NamedTuple):
 
     since: float
     error: float
-    command: float
-
-
-class _Ramp(NamedTuple):
-    """When the ramp has last given a command (s), and which one (V)."""
-
-    time: float
     command: float
 
 
@@ -50,7 +44,8 @@ class Supervisor:
     settings : SafetySettings
         Limits and times.
     limits : (float, float)
-        Smallest and largest command, V; a manual command beyond them is a fault.
+        Smallest and largest command, V; a manual command beyond them is a fault. With a negative
+        one the drive turns either way. Zero stroke is at 0 V.
     manual : bool
         The wishes are pump commands (V), not set points (rad/s).
 
@@ -59,6 +54,9 @@ class Supervisor:
     def __init__(self, settings: SafetySettings, limits: tuple[float, float] = (0.0, 10.0),
                  manual: bool = False):
         self.settings, self.limits, self.manual = settings, limits, manual
+        self._wishes = limits if manual else (
+            -settings.speed_limit if limits[0] < 0.0 else 0.0, settings.speed_limit)
+        self.rest = max(self._wishes[0], 0.0)   # the wish for standstill
         self.fault: Fault | None = None
         self.held = settings.wait_for_start     # at 0 V, not started
         self.passed_over = 0               # bad readings that led to no fault
@@ -71,9 +69,9 @@ class Supervisor:
         self._usable_at: float | None = None
         self._wanted_at: float | None = None
         self._wish_fault: tuple[str, str] | None = None
-        self._at_rest = False              # the last wish was the smallest there is
+        self._at_rest = False              # as the last wish is
         self._apart: _Apart | None = None
-        self._ramp: _Ramp | None = None
+        self._ramp: Ramp | None = None
         self._ending = False
 
     @property
@@ -155,13 +153,13 @@ class Supervisor:
         """Judge a set point (rad/s), or manual command (V); return whether it may be used."""
         self._wanted_at = now
         self._wish_fault = None
-        low, high = self.limits if self.manual else (0.0, self.settings.speed_limit)
+        low, high = self._wishes
         if not low <= value <= high:      # a comparison with NaN is false
             unit = 'V' if self.manual else 'rad/s'
             self._wish_fault = ('command_invalid' if self.manual else 'setpoint_invalid',
                                 f'{value:.4g} {unit}, expected {low:g} to {high:g}')
             self._trip(*self._wish_fault, now)
-        self._at_rest = value == low
+        self._at_rest = value == self.rest
         self.held = self.held and not self._at_rest
         return self._wish_fault is None
 
@@ -215,14 +213,15 @@ class Supervisor:
         error, apart = setpoint - speed, self._apart
         if math.isnan(error) or not settings.following_error_timeout:
             return False
-        if abs(error) <= max(settings.following_error_limit, _SHARE * setpoint):
+        if abs(error) <= max(settings.following_error_limit, _SHARE * abs(setpoint)):
             self._apart = None
             return False
         if apart is None or error * apart.error <= _NEARER * apart.error**2:
             self._apart = _Apart(now, error, command)
         elif (lasts := now - apart.since) > settings.following_error_timeout:
             moved = math.copysign(1.0, error) * (command - apart.command)
-            if command == (high if error > 0.0 else low) or moved > _MOVED * (high - low):
+            at_limit = command == (high if error > 0.0 else low)
+            if at_limit or moved > _MOVED * (high - max(low, 0.0)):
                 self._trip('following_error', f'{speed:.4g} rad/s where {setpoint:.4g} rad/s is '
                            f'set, at {command:.4g} V, for {lasts:.3g} s', now)
             self._apart = _Apart(now, error, command)
@@ -260,12 +259,12 @@ class Supervisor:
             What was sent last, V.
 
         """
-        settings, ramp = self.settings, self._ramp or _Ramp(min(self.fault.time, now), command)
+        settings = self.settings
+        if self._ramp is None:
+            self._ramp = Ramp(min(self.fault.time, now), command)
         time = (settings.emergency_stop_time if self._ending or self.fault.kind == 'emergency_stop'
                 else settings.stop_time)
-        fall = self.limits[1] / time * max(0.0, now - ramp.time)
-        self._ramp = _Ramp(max(now, ramp.time), max(0.0, ramp.command - fall))
-        return self._ramp.command
+        return self._ramp.follow(now, max(self.limits[1], -self.limits[0]) / time)
 
     def causes(self, now: float) -> list[str]:
         """Return what stands against a reset; empty if nothing does."""

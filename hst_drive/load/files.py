@@ -13,8 +13,12 @@ from hst_drive.load.recorded import Recording
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.resources import share
 from hst_drive.rig.load import default_rig
-from hst_drive.rig.rig import Rig
+from hst_drive.rig.rig import OPEN, Rig
 from hst_drive.rig.yaml_file import read_yaml
+from hst_drive.units import from_si
+import numpy as np
+
+_LOOKS = 2000       # at a scenario's set point
 
 
 def shipped_scenarios() -> dict[str, Path]:
@@ -33,7 +37,8 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
     source : str or Path
         A file, or the name of a shipped scenario.
     rig : Rig, optional
-        Whose loading unit turns torque into a PPRV command; default the shipped test rig.
+        Whose loading unit, on the open circuit, turns torque into a PPRV command; default the
+        shipped test rig.
     log : str or Path, optional
         Drilling log, or recording, in place of the one that the scenario names.
     channels : str or Path, optional
@@ -49,7 +54,9 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
     """
     path = _find(source)
     rig = rig or default_rig()
-    rig.require('loading', purpose='the load of a scenario')
+    one_way = rig.circuit == OPEN
+    if one_way:
+        rig.require('loading', purpose='the load of a scenario')
 
     asked: list[str | None] = []
     mapped: list[str | None] = []
@@ -83,11 +90,13 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
                     Path(mapping) if mapping is not None else None)
 
     try:
-        unit = LoadingUnit.of(rig.loading)
+        unit = LoadingUnit.of(rig.loading) if one_way else None
     except ValueError as error:
         raise InputError(f'{rig.source or rig.name}: {error}') from None
     scenario = parse_scenario(read_yaml(path), unit, str(path), read_text,
                               read_recording if read else None)
+    if one_way:
+        _refuse_backwards(scenario, rig)
     if log is not None and not asked:
         raise InputError(f"{path}: drills no log (its 'load.kind' is neither drilling_log nor "
                          f'recorded), so --log {log} would not count; leave it out or choose a '
@@ -96,6 +105,17 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
         raise InputError(f'{path}: plays no recording, so --channels {channels} would not count; '
                          "leave it out or choose a scenario that does, e.g. 'recorded'")
     return scenario
+
+
+def _refuse_backwards(scenario: Scenario, rig: Rig) -> None:
+    times = np.linspace(0.0, scenario.duration, _LOOKS)
+    speeds = scenario.speed_setpoint.sample(times)
+    if speeds.min() < 0.0:
+        first = int(np.argmax(speeds < 0.0))
+        raise InputError(
+            f'{scenario.source}: speed_setpoint: is {from_si(speeds[first], "rpm"):.4g} rpm at '
+            f"{times[first]:.4g} s, but {rig.name} ('circuit: open') turns one way: give a rig "
+            'with a closed circuit (--rig)')
 
 
 def _find(source: str | Path) -> Path:

@@ -21,7 +21,7 @@ class Quantity(NamedTuple):
     high: float
 
 
-SPEED = Quantity('speed', 'rpm', 0.0, 10000.0)
+SPEED = Quantity('speed', 'rpm', -10000.0, 10000.0)
 TORQUE = Quantity('torque', 'N.m', -1e6, 1e6)
 COMMAND = Quantity('command', 'V', -100.0, 100.0)
 TEMPERATURE = Quantity('temperature', 'degC', -50.0, 200.0)

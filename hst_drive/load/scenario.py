@@ -22,15 +22,15 @@ STARTS = ('rest', 'steady', KIND)
 
 class LoadProfile:
     """
-    The load of a run as PPRV command.
+    The load of a run: a PPRV command, or without a loading unit a torque against the motion.
 
     Give either a torque, which the loading unit's steady state turns into a command at the set
     speed, or the command itself.
 
     Parameters
     ----------
-    unit : LoadingUnit
-        Of the rig.
+    unit : LoadingUnit or None
+        Of the rig, if it has one.
     speed : Profile
         Speed set point, rad/s.
     duration : float
@@ -51,14 +51,16 @@ class LoadProfile:
 
     """
 
-    def __init__(self, unit: LoadingUnit, speed: Profile, duration: float, *,
+    def __init__(self, unit: LoadingUnit | None, speed: Profile, duration: float, *,
                  torque: Profile | None = None, command: Profile | None = None,
                  title: str = '', notes: tuple[str, ...] = ()):
         if (torque is None) == (command is None):
             raise ValueError('expected either a torque or a command')
         self.unit, self.speed, self.duration, self.title = unit, speed, duration, title
         self._torque, self._command = torque, command
-        self.notes = notes + (self._limits() if torque is not None else ())
+        if unit is None and torque is None:
+            raise ValueError('a command needs a loading unit')
+        self.notes = notes + (self._limits() if unit and torque is not None else ())
 
     @property
     def torque_profile(self) -> Profile | None:
@@ -149,7 +151,7 @@ class Scenario:
         return self.load.notes
 
 
-def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
+def parse_scenario(content: dict, unit: LoadingUnit | None, source: str = 'scenario',
                    read_text: Callable[[str | None], tuple[str, str]] | None = None,
                    read_recording: Callable[[str | None, str | None], Recording] | None = None
                    ) -> Scenario:
@@ -160,8 +162,8 @@ def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
     ----------
     content : dict
         The mapping.
-    unit : LoadingUnit
-        Of the rig.
+    unit : LoadingUnit or None
+        Of the rig; without one the load is a torque, and the drive starts at rest.
     source : str
         File, for messages.
     read_text : callable, optional
@@ -209,12 +211,21 @@ def parse_scenario(content: dict, unit: LoadingUnit, source: str = 'scenario',
         raise keys.fail('speed_setpoint', 'is missing; add it (also in open loop, where it is '
                         'the speed at which a torque becomes a command)')
     speed = speed or constant(0.0)
+    if unit is None and keys.has('pprv_command'):
+        raise keys.fail('pprv_command', 'is of a loading unit, which this rig has not; give the '
+                        'torque as load')
+    if unit is None and start != 'rest':
+        raise keys.fail('start', f"is '{start}', expected 'rest': without a loading unit no "
+                        'steady load is known')
     if keys.has('pprv_command'):
         pprv = profile('pprv_command', COMMAND, 2)
         torque, notes = None, ()
     elif is_recorded(keys.section('load')):
         torque, pprv = recorded.load(keys.section('load'))
         notes = ()
+        if unit is None and torque is None:
+            raise keys.fail('load', 'is a PPRV command in that recording, but this rig has no '
+                            'loading unit; name a torque as load.channel')
     else:
         torque, notes, end = read_load(keys.section('load'), speed, duration, seed,
                                        read_text or _no_files)

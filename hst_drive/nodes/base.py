@@ -22,6 +22,7 @@ from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from hst_drive.nodes.session import PARENT
 from hst_drive.nodes.steady_timers import steady_timers
+from hst_drive.nodes.watchdog import watched
 import rclpy
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -33,8 +34,7 @@ from rclpy.utilities import remove_ros_args
 GATHER = 0.002
 _READY_PERIOD, _WATCH_PERIOD, _PATIENCE = 0.02, 0.5, 5.0
 _AGAIN = 0.5    # s; from one word that we are ready to the next
-_TURN = 0.1     # s; how soon a signal is seen while no message comes
-_CALL = 60.0    # s; of one call of the executor
+_TURN, _CALL = 0.1, 60.0    # s; how soon a signal is seen, and one call of the executor
 _LONGEST_DRAIN = 3.0   # s; publishers that go on must not keep a node from its end
 _LONGEST_END = 20.0    # s; nor may the middleware
 
@@ -84,7 +84,8 @@ class DriveNode(Node):
                    for name, output in self.outputs.items()]
         self.answers = sync.Answers(self.sync, lambda: {
             name: output.published for name, output in outputs})
-        self.taken = self.taken or wiring.recorded(self.partners)
+        self.taken = self.taken or wiring.recorded(
+            self.partners, circuit=self.settings['circuit'])
         self._tell_unused(of_topics=True)
         self._waited, self._found = 0.0, False
         self._ready_timer = self.create_timer(_READY_PERIOD, self._check_ready, clock=self.wall)
@@ -178,9 +179,9 @@ class DriveNode(Node):
 def _executor():
     try:
         from rclpy.experimental.events_executor import EventsExecutor
-        return EventsExecutor()
     except ImportError:
         return SingleThreadedExecutor()
+    return EventsExecutor()
 
 
 def _is_managed(args: list[str], node_class: type[DriveNode]) -> bool:
@@ -212,6 +213,7 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     instead starves EventsExecutor's messages.) Without a timeout it never runs a callback.
     """
     def look() -> None:
+        watchdog.turned()
         # Only while Python code runs, as here, is the handler of a signal called.
         if (signals or node.gather) and not node.stopped.done():
             node.stopped.set_result(None)
@@ -220,7 +222,7 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     gc.collect()
     gc.freeze()
     node.create_timer(_TURN, look, clock=node.wall)
-    with steady_timers(node, node.wall):
+    with steady_timers(node, node.wall), watched(node, executor, _work) as watchdog:
         while rclpy.ok() and node.exit_code is None and not signals:
             # Each time a new one, as a call leaves something hanging on it.
             node.stopped = Future()

@@ -54,7 +54,8 @@ class Controller(DriveNode):
             self._law = PiController(
                 settings['kp'], settings['ki'], settings['sample_time'],
                 (settings['u_clamp_min'], settings['u_clamp_max']),
-                antiwindup_strategy=settings['antiwindup_strategy'])
+                antiwindup_strategy=settings['antiwindup_strategy'],
+                dead_band=settings['dead_band'])
             self._watch = Supervisor(
                 SafetySettings(**{name: settings[name] for name in vars(SafetySettings())}),
                 (settings['u_clamp_min'], settings['u_clamp_max']),
@@ -63,8 +64,9 @@ class Controller(DriveNode):
                 self._watch.inherit(before)
         except ValueError as error:
             raise InputError(f'controller: {error}') from None
-        if settings['start_command'] >= 0.0 and not self._watch.held:
-            self._law.reset(settings['start_command'])
+        start = settings['start_command']
+        if settings['u_clamp_min'] <= start <= settings['u_clamp_max'] and not self._watch.held:
+            self._law.reset(start)
         self._manual = settings['mode'] == 'open_loop'
         self._wanted = 'manual_pump_command' if self._manual else 'speed_setpoint'
         self._pace = Pace(round(settings['sample_time'] * BILLION), on_grid=self.lockstep)
@@ -113,10 +115,10 @@ class Controller(DriveNode):
         if self.lockstep or self.partners or not self.outputs or self._stops is None:
             return
         self._audit.note(f'the drive ends; it was {self._watch.state}, at {self._command:.4g} V')
-        if not self._command > 0.0:
+        if not self._command:
             return
         self._watch.end(self._seconds())
-        while self._command > 0.0:
+        while self._command:
             self._follow_ramp(self.now())
             time.sleep(min(self.settings['sample_time'], 0.02))
         self._tell()
@@ -189,7 +191,7 @@ class Controller(DriveNode):
     def _form(self, now: float, speed: float, elapsed: float) -> None:
         """Form a new command; keep the last one if it is none to send."""
         if self._setpoint is None:
-            command = self._law.u_clamp_min
+            command = max(self._law.u_clamp_min, 0.0)
         elif self._manual:
             command = self._setpoint
         else:

@@ -22,10 +22,13 @@ PARAMETERS = (
     Parameter('kp', 0.02, 'proportional gain', 'V.s/rad', 0.0, 10.0, live=True),
     Parameter('ki', 0.45, 'integral gain', 'V/rad', 0.0, 100.0, live=True),
     Parameter('sample_time', 0.01, 'time between two commands', 's', 0.0005, 1.0),
-    Parameter('u_clamp_min', 0.0, 'smallest command', 'V', 0.0, 10.0),
+    Parameter('u_clamp_min', 0.0, 'smallest command; below 0 the drive turns either way', 'V',
+              -10.0, 10.0),
     Parameter('u_clamp_max', 10.0, 'largest command', 'V', 0.0, 10.0),
-    Parameter('start_command', -1.0, 'first command, for a bumpless start; -1: none', 'V',
-              -1.0, 10.0),
+    Parameter('dead_band', 0.0, 'to either side of 0 V, in which the pump gives nothing: the '
+              'command steps over it', 'V', 0.0, 5.0),
+    Parameter('start_command', -100.0, 'first command, for a bumpless start; beyond '
+              'u_clamp_min and u_clamp_max: none', 'V', -100.0, 100.0),
     Parameter('antiwindup_strategy', 'conditional_integration', 'what the integral does while the '
               'command is at its limit', choices=ANTIWINDUP_STRATEGIES),
     Parameter('feedback_timeout', _DEFAULTS.feedback_timeout, 'longest time without a usable '
@@ -52,7 +55,7 @@ PARAMETERS = (
     Parameter('emergency_stop_time', _DEFAULTS.emergency_stop_time, 'the same for an '
               'emergency stop', 's', 0.01, 60.0),
     Parameter('start_after_reset', _DEFAULTS.start_after_reset, 'after a reset the drive waits at '
-              '0 V for a start: set point back at its smallest, or ~/start'),
+              '0 V for a start: set point back at rest, or ~/start'),
     Parameter('wait_for_start', _DEFAULTS.wait_for_start, 'it waits for that start from the '
               'beginning on; a manager sets this for a controller that it brings back'),
 )

@@ -57,7 +57,7 @@ class Status:
             message = f'{watch.state}: {fault}' + ('' if ended else '; reset it with ~/reset')
         else:
             message = '; '.join([self._waits(watch) or (
-                f'ready; start it with {self._wanted} back at its smallest, or ~/start'
+                f'ready; start it with {self._wanted} back at {watch.rest:g}, or ~/start'
                 if watch.state == READY else 'running'), *warnings])
         against = watch.causes(now) if fault and not ended else ()
         self._diagnostics.publish(

@@ -13,8 +13,8 @@ from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, qos_profile
 from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.recordings import read_recording
+from hst_drive.nodes.settings import rig_of
 from hst_drive.nodes.sync import SLOW
-from hst_drive.rig import load_rig
 from rosgraph_msgs.msg import Clock
 
 
@@ -41,17 +41,20 @@ class LoadProfile(DriveNode):
     def configure(self) -> None:
         """Load the scenario."""
         settings = self.settings
-        rig = load_rig(settings['rig']) if settings['rig'] else None
-        self._scenario = load_scenario(
+        rig = rig_of(settings)
+        self._scenario = scenario = load_scenario(
             settings['scenario'], rig, settings['log'] or None, settings['channels'] or None,
             read_recording)
+        # The load's command, and its topic: of the loading unit, or a torque.
+        self._load = (('pprv_command', scenario.load.pprv_command) if rig.loading else
+                      ('load_torque_command', scenario.load.torque))
         self._start: int | None = None
         self._count = 0
         self._timer = None
 
     def activate(self) -> None:
         """Open the endpoints."""
-        self.publish_to('pprv_command', 'speed_setpoint', 'oil_temperature_command',
+        self.publish_to(self._load[0], 'speed_setpoint', 'oil_temperature_command',
                         'manual_pump_command')
         if self.lockstep and not self.settings['lookahead']:
             topic = TOPICS['/clock']
@@ -107,7 +110,7 @@ class LoadProfile(DriveNode):
         self._count += 1
         if self._count % SLOW == 1:
             out['oil_temperature_command'].publish(stamp, scenario.oil_temperature(t))
-        out['pprv_command'].publish(stamp, scenario.load.pprv_command(t))
+        out[self._load[0]].publish(stamp, self._load[1](t))
         out['speed_setpoint'].publish(stamp, scenario.speed_setpoint(t))
         if scenario.pump_command is not None:
             out['manual_pump_command'].publish(stamp, scenario.pump_command(t))

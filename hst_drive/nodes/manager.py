@@ -4,42 +4,33 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from contextlib import suppress
 import math
 import signal
 import sys
 import time
 
 from hst_drive.errors import InputError
+from hst_drive.nodes.attempts import Attempts
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, HARDWARE, OK, WARN
 from hst_drive.nodes.parameters import declare, Parameter
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
-from lifecycle_msgs.msg import State, Transition
-from lifecycle_msgs.srv import ChangeState, GetState
-from rcl_interfaces.srv import GetParameters, SetParameters
+from hst_drive.nodes.transitions import ANSWER, Refused, SILENT, Transitions
+from lifecycle_msgs.srv import GetState
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import Parameter as RosParameter
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from std_srvs.srv import Trigger
 
-_GOALS = {'configure': (Transition.TRANSITION_CONFIGURE, State.PRIMARY_STATE_INACTIVE),
-          'activate': (Transition.TRANSITION_ACTIVATE, State.PRIMARY_STATE_ACTIVE),
-          'deactivate': (Transition.TRANSITION_DEACTIVATE, State.PRIMARY_STATE_INACTIVE),
-          'cleanup': (Transition.TRANSITION_CLEANUP, State.PRIMARY_STATE_UNCONFIGURED)}
-_ANSWER = 1.0       # s until an answer is taken for lost, or the node for busy
 _FAREWELL = 2.0     # s, for each step on the way down
 _BEAT = 0.5         # s between two questions to the nodes, and between two looks at the answers
 _TURN = 0.1         # s; how soon a signal is seen
-_ACTIVE, _SILENT = 'active', 'silent'
+_ACTIVE, _INACTIVE = 'active', 'inactive'
 _NEW = 'unconfigured'   # of a process that was started anew, or cleaned up by hand
-_HELD = 'wait_for_start'    # the controller's parameter
-
-
-class Refused(Exception):
-    """A node is not where it should be; the text says which and where."""
 
 
 class Manager(Node):
@@ -55,44 +46,72 @@ class Manager(Node):
                   'silent', 's', 1.5, 60.0, at_start=True),
         Parameter('bring_back', False, 'bring a node up again that was restarted; a controller '
                   'then waits for a start', at_start=True),
+        Parameter('attempts', 5, 'with bring_back: how often in a row a node that refuses is '
+                  'brought up', low=1, high=1000, at_start=True),
+        Parameter('retry_delay', 2.0, 'from the first such attempt to the second; it doubles each '
+                  'time, up to 30 s', 's', 0.1, 30.0, at_start=True),
         HARDWARE._replace(at_start=True),
     )
 
     def __init__(self):
         super().__init__('manager', namespace='drive')
         self.settings = settings = declare(self, self.parameters)
-        self.names, self.patience = settings['nodes'], settings['patience']
+        self.names: list[str] = settings['nodes']
         self._bring_back = settings['bring_back']
         if not self.names:
             raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
         self._spinner = SingleThreadedExecutor()
         self._spinner.add_node(self)
         self.up: list[str] = []
-        self._clients_of = {name: (self.create_client(ChangeState, f'{name}/change_state'),
-                                   self.create_client(GetState, f'{name}/get_state'))
-                            for name in self.names}
-        self._parameters_of = {
-            name: (self.create_client(GetParameters, f'{name}/get_parameters'),
-                   self.create_client(SetParameters, f'{name}/set_parameters'))
-            for name in self.names}
+        self._transitions = Transitions(self, self._spinner, self.names, settings['patience'])
         # State as last told, and when it was (s of the steady clock).
-        self._answers = {name: (_SILENT, -math.inf) for name in self.names}
+        self._answers = {name: (SILENT, -math.inf) for name in self.names}
         self._asked: dict[str, tuple[Future, float]] = {}   # and when
-        self._states = dict.fromkeys(self.names, _SILENT)
+        self._states = dict.fromkeys(self.names, SILENT)
         self._diagnostics = Diagnostics(self)
         self._brought_back, self._next = 0, 0.0
+        self._attempts = Attempts(settings['attempts'] if self._bring_back else 1,
+                                  settings['retry_delay'])
         self.create_service(Trigger, '~/is_active', self._say_active)
 
-    def bring_up(self) -> None:
-        """Configure all, then activate all."""
-        for step in ('configure', 'activate'):
-            for name in self.names:
-                self._go(name, step)
-                if name not in self.up:
-                    self.up.append(name)
-                self.get_logger().info(f'{name}: {step}d')
+    def bring_up(self, wanted: Callable[[], bool]) -> None:
+        """
+        Configure all, then activate all, from the start as often as the parameters allow.
+
+        Raises
+        ------
+        Refused
+            If the last attempt fails too, or none is ``wanted`` any more.
+
+        """
+        while True:
+            try:
+                for step in ('configure', 'activate'):
+                    for name in self.names:
+                        self._transitions.go(name, step)
+                        if name not in self.up:
+                            self.up.append(name)
+                        self.get_logger().info(f'{name}: {step}d')
+            except Refused as problem:
+                said = self._attempts.refused(self.role, str(problem), time.monotonic())
+                if self._attempts.given_up():
+                    raise Refused(said if self._bring_back else str(problem)) from None
+                self.get_logger().error(f'bring-up: {said}')
+                self._take_down()
+                self._wait_for_attempt(wanted, problem)
+            else:
+                break
+        self._attempts.forget(self.role)
         self._answers = {name: (_ACTIVE, time.monotonic()) for name in self.names}
         self._states = dict.fromkeys(self.names, _ACTIVE)
+
+    def _wait_for_attempt(self, wanted: Callable[[], bool], problem: Refused) -> None:
+        """Tell how it stands until the next attempt is due."""
+        while not self._attempts.is_due(self.role, time.monotonic()):
+            if not wanted():
+                raise problem
+            if self._beats():
+                self._tell()
 
     def watch(self) -> None:
         """
@@ -100,24 +119,33 @@ class Manager(Node):
 
         All nodes are asked in each beat; one that is dead keeps the others from nothing.
         """
+        if self._beats():
+            for name in self.names:
+                self._look(name)
+            self._tell()
+
+    def _beats(self) -> bool:
+        """Work for a turn, at most until the next beat; return whether it is there."""
         end = min(time.monotonic() + _TURN, self._next)
         while (left := end - time.monotonic()) > 0.0:
             self._spinner.spin_once(timeout_sec=left)
         if time.monotonic() < self._next:
-            return
+            return False
         self._next = time.monotonic() + _BEAT
-        for name in self.names:
-            self._look(name)
-        self._tell()
+        return True
 
     def _look(self, name: str) -> None:
         state, at = self._answers[name]
         if time.monotonic() - at > self.settings['heartbeat_timeout']:
-            state = _SILENT
+            state = SILENT
         before, self._states[name] = self._states[name], state
         self._ask(name)
         if state == before:
+            if state == _NEW and self._attempts.is_due(name, time.monotonic()):
+                self._bring_up_again(name)
             return
+        # Another state is somebody else's doing, or another process: attempts count from there.
+        self._attempts.forget(name)
         if state == _ACTIVE:
             self.get_logger().info(f'{name}: is active again')
         elif self._bring_back and state == _NEW:
@@ -125,15 +153,15 @@ class Manager(Node):
             self._bring_up_again(name)
         else:
             self.get_logger().error(f'{name}: is {state}' + (
-                '; start it again' if state == _SILENT else
+                '; start it again' if state == SILENT else
                 '; configure and activate it' + ', or give bring_back:=true' * (
                     not self._bring_back)))
 
     def _ask(self, name: str) -> None:
-        client, now = self._clients_of[name][1], time.monotonic()
+        client, now = self._transitions.clients[name][1], time.monotonic()
         asked, since = self._asked.get(name, (None, -math.inf))
         if asked and not asked.done():
-            if now - since < _ANSWER:
+            if now - since < ANSWER:
                 return
             # It is lost, or the node that was to give it is dead.
             client.remove_pending_request(asked)
@@ -150,14 +178,16 @@ class Manager(Node):
         absent = self.absent()
         self._diagnostics.publish(
             self.get_clock().now().nanoseconds, f'{self.get_fully_qualified_name()}: nodes',
-            ERROR if _SILENT in self._states.values() else WARN if absent else OK,
-            absent or 'all nodes are active',
-            {**self._states, 'brought_back': self._brought_back})
+            ERROR if SILENT in self._states.values() or self._attempts.given_up() else
+            WARN if absent else OK, absent or 'all nodes are active',
+            {**self._states, 'brought_back': self._brought_back,
+             'refused': self._attempts.refusals})
 
     def absent(self) -> str:
         """Return which nodes are not active, and what they are; '' if all are."""
-        return ', '.join(f'{name} is {state}' for name, state in self._states.items()
-                         if state != _ACTIVE)
+        absent = [' '.join(filter(None, (f'{name} is {state}', self._attempts.told(name))))
+                  for name, state in self._states.items() if state != _ACTIVE]
+        return ', '.join(filter(None, (self._attempts.told(self.role), *absent)))
 
     def _say_active(self, request, response):
         absent = self.absent()
@@ -166,91 +196,41 @@ class Manager(Node):
 
     def _bring_up_again(self, name: str) -> None:
         try:
-            self._hold(name)
+            self._transitions.hold(name)
             for step in ('configure', 'activate'):
-                self._go(name, step)
+                self._transitions.go(name, step)
             self._brought_back += 1
+            self._attempts.forget(name)
         except Refused as problem:
-            self.get_logger().error(str(problem))
+            said = self._attempts.refused(name, str(problem), time.monotonic())
+            self.get_logger().error(f'{name}: {said}')
+            if self._transitions.state_of(name) == _INACTIVE:
+                # It could not be activated: from the start again, with its parameters as they are.
+                with suppress(Refused):
+                    self._transitions.go(name, 'cleanup')
         # Nobody was asked meanwhile.
         now = time.monotonic()
         self._answers = {other: (state, now) for other, (state, _) in self._answers.items()}
 
-    def _hold(self, name: str) -> None:
-        """Let a controller that was started anew wait for a start: nobody expects a motion."""
-        ask, put = self._parameters_of[name]
-        if self._answer(name, ask, GetParameters.Request(names=[_HELD])).values and not (
-                self._answer(name, put, SetParameters.Request(parameters=[RosParameter(
-                    _HELD, value=True).to_parameter_msg()])).results[0].successful):
-            # As it is configured already: by somebody else.
-            raise Refused(f'{name}: {_HELD} cannot be set; configure and activate it yourself')
-
-    def _answer(self, name: str, client, request):
-        """Return the answer to what may be asked twice."""
-        end = time.monotonic() + self.patience
-        while time.monotonic() < end:
-            if client.wait_for_service(timeout_sec=_ANSWER):
-                asked = client.call_async(request)
-                if self._wait(asked):
-                    return asked.result()
-                client.remove_pending_request(asked)
-        raise Refused(f'{name}: does not answer {client.srv_name}')
-
-    def _state_of(self, name: str) -> str:
-        ask = self._clients_of[name][1]
-        if not ask.service_is_ready():
-            return _SILENT
-        asked = ask.call_async(GetState.Request())
-        if self._wait(asked):
-            return asked.result().current_state.label
-        ask.remove_pending_request(asked)
-        return _SILENT
-
     def bring_down(self) -> None:
         """Deactivate and clean up what is up and still there, last things first."""
         # A launch that ends sends all of them home at once and gives us five seconds.
-        self.patience = min(self.patience, _FAREWELL)
+        self._transitions.patience = min(self._transitions.patience, _FAREWELL)
+        self._take_down()
+
+    def _take_down(self) -> None:
         for name in reversed(self.up):
             for step in ('deactivate', 'cleanup'):
-                if not self._clients_of[name][0].service_is_ready():
+                if not self._transitions.clients[name][0].service_is_ready():
                     break
                 try:
-                    self._go(name, step)
+                    self._transitions.go(name, step)
                 except Refused as problem:
                     # What a launch has ended meanwhile went home by itself.
-                    if self._state_of(name) != _SILENT:
+                    if self._transitions.state_of(name) != SILENT:
                         self.get_logger().warning(str(problem))
                     break
         self.up.clear()
-
-    def _go(self, name: str, step: str) -> None:
-        number, goal = _GOALS[step]
-        change, ask = self._clients_of[name]
-        for client in (change, ask):
-            if not client.wait_for_service(timeout_sec=self.patience):
-                raise Refused(f'{name}: no such managed node; start it with --managed')
-        future = change.call_async(ChangeState.Request(transition=Transition(id=number)))
-        end, state = time.monotonic() + self.patience, None
-        while time.monotonic() < end:
-            # An answer may be lost while endpoints find each other: what counts is the state.
-            if self._wait(future) and future.result().success:
-                return
-            asked = ask.call_async(GetState.Request())
-            state = asked.result().current_state if self._wait(asked) else None
-            if state is not None and state.id == goal:
-                return
-            if future.done() and state is not None:
-                break
-            if state is not None:
-                # It answers, but not this: one that was restarted may have found only one of the
-                # two clients by then. A second transition that does not fit does no harm.
-                future = change.call_async(ChangeState.Request(transition=Transition(id=number)))
-        raise Refused(f'{name}: does not {step}; it is {state.label if state else "silent"}, '
-                      'its log says why')
-
-    def _wait(self, future) -> bool:
-        self._spinner.spin_until_future_complete(future, timeout_sec=min(self.patience, _ANSWER))
-        return future.done()
 
 
 def main(args: list[str] | None = None) -> int:
@@ -269,7 +249,7 @@ def main(args: list[str] | None = None) -> int:
             raise InputError(f"unknown argument '{unknown[0]}'; give parameters as "
                              '--ros-args -p NAME:=VALUE')
         node = Manager()
-        node.bring_up()
+        node.bring_up(lambda: not signals)
         print('all nodes are active', flush=True)
         while not signals:
             node.watch()

@@ -120,6 +120,8 @@ COMMON = (
               'connected and, in lockstep, waits for them', choices=wiring.NODES, at_start=True),
     Parameter('lookahead', False, 'in lockstep: load_profile plays ahead of the clock, and the '
               'plant sends readings in bursts', at_start=True),
+    Parameter('circuit', 'open', "the rig's hydraulic circuit, which says what topics there are",
+              choices=wiring.CIRCUITS, at_start=True),
     Parameter('priority', 0, 'real-time priority (SCHED_RR), before all ordinary work of the '
               'machine; 0: ordinary', low=0, high=99, at_start=True),
 )

@@ -15,10 +15,13 @@ from hst_drive.load import load_scenario, Scenario
 from hst_drive.model import Drive
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import wiring
+from hst_drive.nodes.both_ways import dead_band_of
 from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.settings import effect_texts, parse_effects
 from hst_drive.rig import default_rig, load_rig, Rig
+from hst_drive.rig.rig import OPEN
 
+_NONE = -100.0  # V; no first command
 _LEAST = 3      # priority of the plant, so that controller and others lie below it
 
 
@@ -96,6 +99,7 @@ def make_plan(options: Options) -> Plan:
 
     """
     rig = load_rig(options.rig) if options.rig else default_rig()
+    nodes = wiring.nodes_of(rig.circuit)
     scenario = load_scenario(options.scenario, rig, options.log, options.channels,
                              read_recording)
     duration = scenario.duration if options.duration is None else options.duration
@@ -117,10 +121,10 @@ def make_plan(options: Options) -> Plan:
                          'name with -o or remove it')
     _refuse_unwritable(output)
     effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
-    wiring.readings(options.topics)
+    wiring.readings(options.topics, rig.circuit)
     rig_file = _absolute(options.rig)
     source = Path(scenario.source)
-    common = {'lockstep': not options.realtime, 'partners': list(wiring.NODES),
+    common = {'lockstep': not options.realtime, 'partners': list(nodes), 'circuit': rig.circuit,
               'lookahead': not options.realtime and not options.speed}
     extra = {'extra_topics': list(options.topics) or [''], 'truth': options.truth}
     start = _start(rig, {} if options.effects_from else effects, scenario)
@@ -140,12 +144,14 @@ def make_plan(options: Options) -> Plan:
                          'channels': _absolute(options.channels)},
         'controller': {**common, 'mode': scenario.mode, 'kp': law.kp, 'ki': law.ki,
                        'sample_time': law.sample_time, 'u_clamp_min': law.output_limits[0],
-                       'u_clamp_max': law.output_limits[1], 'start_command': start[2]},
+                       'u_clamp_max': law.output_limits[1], 'start_command': start[2],
+                       'dead_band': dead_band_of(rig)},
         'estimator': {**common, 'rig': rig_file, 'extra_topics': extra['extra_topics'],
                       'bag': str(output)},
         'recorder': {**common, **extra, 'output': str(output.resolve()),
                      'notes': [f'{key}={value}' for key, value in notes.items()]},
     }
+    parameters = {name: parameters[name] for name in nodes}
     if options.priority:
         for node, entry in parameters.items():
             entry['priority'] = options.priority - {'plant': 0, 'controller': 1}.get(node, 2)
@@ -169,11 +175,11 @@ def _refuse_unwritable(folder: Path) -> None:
 
 
 def _start(rig: Rig, effects, scenario: Scenario) -> tuple[float, float, float]:
-    """Return speed (rad/s), PPRV command and pump command (V; -1: none) to start with."""
-    rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
-                purpose='a run of the nodes')
+    """Return speed (rad/s), PPRV command and pump command (V) to start with."""
+    rig.require(*(('pump', 'motor', 'line', 'relief_valve', 'loading')
+                  if rig.circuit == OPEN else ()), 'controller', purpose='a run of the nodes')
     if scenario.start == 'rest':
-        return 0.0, 0.0, -1.0
+        return 0.0, 0.0, _NONE
     speed, command = scenario.speed_setpoint(0.0), scenario.load.pprv_command(0.0)
     point = operating_point(Drive(rig, effects), speed, pprv_command=command)
     return float(speed), float(command), float(point.pump_command)

@@ -9,22 +9,17 @@ import sys
 import time
 
 from hst_drive.errors import InputError
-from hst_drive.model import Drive, SensorBank
-from hst_drive.model.compose import STATES
-from hst_drive.model.steady import operating_point
+from hst_drive.model import SensorBank
 from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, ClockOutput, partners_of, topic_named
 from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.readings import BURST, Readings
-from hst_drive.nodes.settings import parse_effects
-from hst_drive.rig import default_rig, load_rig
+from hst_drive.nodes.settings import parse_effects, rig_of
+from hst_drive.nodes.simulated import simulated
 import numpy as np
 from rclpy.duration import Duration
 
-_ANGLE = STATES.index('motor_angle')
-_INPUTS = {'pump_command': 'pump_command', 'pprv_command': 'pprv_command',
-           'oil_temperature_command': 'oil_temperature'}   # topic -> input of the drive
 _PROGRESS = 0.5   # s of wall time between two lines of progress
 _JUMP = BILLION // 4   # ns; the clock was set if it is off by more
 
@@ -60,19 +55,23 @@ class Plant(DriveNode):
     def configure(self) -> None:
         """Build drive and sensors."""
         settings = self.settings
-        rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
+        rig = rig_of(settings)
         effects, late = parse_effects(settings['effects']), settings['effects_from'] > 0.0
-        self._drive = Drive(rig, None if late else effects)
-        self._later = Drive(rig, effects) if late else None
+        self._drive = simulated(rig, None if late else effects)
+        self._later = simulated(rig, effects) if late else None
+        self._names = wiring.readings(settings['extra_topics'], settings['circuit'])
+        # There are usual sensors for the open circuit; others have those that the rig states.
         self._sensors = SensorBank(rig, settings['seed'], [
-            field.channel for name in wiring.readings(settings['extra_topics'])
-            for field in topic_named(name).fields if field.channel])
-        self._state = self._first_state()
-        self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'])
+            field.channel for name in self._names for field in topic_named(name).fields
+            if field.channel] if rig.whole else ())
+        self._state = self._drive.start(settings['start_speed'], settings['start_pprv_command'])
+        self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'],
+                                     settings['circuit'])
         self._period = round(BILLION / settings['rate'])
         self._steps = (round(settings['duration'] * BILLION / self._period) or None
                        if settings['duration'] else None)
-        self._inputs = {'pump_command': 0.0, 'pprv_command': 0.0,
+        self._takes = self._drive.takes     # input of the drive by topic
+        self._inputs = {**dict.fromkeys(self._takes.values(), 0.0),
                         'oil_temperature': rig.characterised_at}
         if self.lockstep and not {'controller', 'load_profile'} & set(self.partners):
             raise InputError('plant: parameter lockstep needs controller or load_profile among '
@@ -85,21 +84,18 @@ class Plant(DriveNode):
         self._times = np.array([0.0, self._period / BILLION])
         self._late: deque[float] = deque(maxlen=10_000)   # s behind the grid, in real time
         # Compiled code is loaded when it is first called: now, not in the first sample.
-        self._drive.advance(self._state, 1e-3, pump_command=0.0, pprv_command=0.0)
-
-    def _first_state(self) -> np.ndarray:
-        speed, load = self.settings['start_speed'], self.settings['start_pprv_command']
-        return (operating_point(self._drive, speed, pprv_command=load).state if speed
-                else self._drive.initial_state())
+        self._drive.simulate(self._times, {name: np.full(2, value) for name, value in
+                                           self._inputs.items()}, self._state.copy())
 
     def activate(self) -> None:
         """Open the endpoints."""
         settings = self.settings
         self._readings = Readings(
-            self, wiring.readings(settings['extra_topics']), self._sensors, settings['truth'],
+            self, self._names, self._sensors, settings['truth'],
             BURST if self.lockstep and settings['lookahead'] else 1)
-        self._awaited = [name for name in _INPUTS if topic_named(name).publisher in self.partners]
-        for name in _INPUTS:
+        self._awaited = [name for name in self._takes
+                         if topic_named(name).publisher in self.partners]
+        for name in self._takes:
             self.listen_to(name, lambda stamp, values, name=name:
                            self._commanded(name, stamp, values[0]))
         if self.lockstep:
@@ -177,10 +173,10 @@ class Plant(DriveNode):
 
     def _set(self, name: str, value: float) -> None:
         if not math.isfinite(value):
-            self.get_logger().warning(f'{name} is {value}: {self._inputs[_INPUTS[name]]:g} '
+            self.get_logger().warning(f'{name} is {value}: {self._inputs[self._takes[name]]:g} '
                                       'is held', throttle_duration_sec=5.0)
             return
-        self._inputs[_INPUTS[name]] = value
+        self._inputs[self._takes[name]] = value
 
     def _next_step(self) -> None:
         """Go one step on in lockstep, unless a partner is too far behind."""
@@ -232,13 +228,15 @@ class Plant(DriveNode):
         # The commands of this step act from now on; the readings are taken just before.
         result = self._drive.simulate(self._times, inputs, state)
         truth = {name: float(values[0 if first else 1]) for name, values in result.items()}
-        if not math.isfinite(truth['motor_speed'] + truth['pump_outlet_pressure']):
+        if not math.isfinite(sum(truth[name] for name in self._drive.bounded)):
             self._readings.send()
             self.stop(1, f'the drive left all bounds at step {self._step}')
             return
-        truth.update(oil_temperature=self._inputs['oil_temperature'],
-                     motor_angle=float(state[_ANGLE]))
-        self._readings.publish(self._stamp(), {**truth, **self._sensors.read(truth)}, truth)
+        truth['oil_temperature'] = self._inputs['oil_temperature']
+        readings = {**truth, **self._sensors.read(truth)}
+        for values in (truth, readings):    # on a closed circuit nothing lies between the two
+            values.setdefault('load_torque', values['motor_torque'])
+        self._readings.publish(self._stamp(), readings, truth)
         self._tell()
 
     def _tick(self) -> None:

@@ -57,7 +57,8 @@ class Recorder(DriveNode):
         if not settings['output']:
             raise InputError('recorder: parameter output is empty; name the folder to create')
         nodes = self.partners or wiring.NODES
-        self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'])
+        self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'],
+                                     settings['circuit'])
         names = [*(settings['topics'] or (
             self.resolve_topic_name(topic_named(name).name) for name in self.taken)),
             *map(self.resolve_topic_name, topics_of(map_of(self)))]

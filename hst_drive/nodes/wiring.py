@@ -15,7 +15,8 @@ SENSORS = tuple(name for name, topic in TOPICS.items() if topic.publisher == 'pl
 """Topics of the plant that a rig's sensors would publish."""
 
 READS: dict[str, tuple[str, ...]] = {
-    'plant': ('pump_command', 'pprv_command', 'oil_temperature_command', 'sync'),
+    'plant': ('pump_command', 'pprv_command', 'load_torque_command', 'oil_temperature_command',
+              'sync'),
     'load_profile': ('/clock', 'sync'),
     'controller': ('motor', 'speed_setpoint', 'manual_pump_command', 'sync'),
     'estimator': ('motor', 'pump_outlet_pressure', 'motor_inlet_flow', 'pump_command',
@@ -26,7 +27,31 @@ READS: dict[str, tuple[str, ...]] = {
 """Topics by reader; the recorder reads those that it is asked to record as well."""
 
 
-def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
+_LINES = ('line_a_pressure', 'line_b_pressure', 'charge_pressure')
+_LACKS = {'open': _LINES, 'closed': (
+    'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'pprv_command')}
+_ADDS = {'open': (), 'closed': (*_LINES, 'motor_torque')}
+_OFF = {'open': (), 'closed': ('motor_inlet_flow',)}
+CIRCUITS = tuple(_LACKS)
+"""Circuits that the nodes can run."""
+
+
+def nodes_of(circuit: str) -> tuple[str, ...]:
+    """
+    Return the nodes of a run: the estimator's model is that of the open circuit.
+
+    Raises
+    ------
+    InputError
+        If the nodes cannot run the circuit.
+
+    """
+    if circuit not in CIRCUITS:
+        raise InputError(f"'circuit: {circuit}': the nodes run {' and '.join(CIRCUITS)}")
+    return tuple(name for name in NODES if circuit == 'open' or name != 'estimator')
+
+
+def readings(extra: Iterable[str] = (), circuit: str = 'open') -> tuple[str, ...]:
     """
     Return the names of the topics that the plant publishes as a rig's sensors would.
 
@@ -34,6 +59,8 @@ def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
     ----------
     extra : iterable of str
         Topics that are off by default and shall be on.
+    circuit : str
+        One of ``CIRCUITS``: not all have all.
 
     Raises
     ------
@@ -42,20 +69,22 @@ def readings(extra: Iterable[str] = ()) -> tuple[str, ...]:
 
     """
     extra = tuple(extra)
+    there = [name for name in SENSORS if name not in _LACKS[circuit]]
     for name in extra:
-        if name not in SENSORS:
-            near = get_close_matches(name, SENSORS, n=1)
+        if name not in there:
+            near = get_close_matches(name, there, n=1)
             raise InputError(f"topic '{name}' is none of the plant's; " + (
-                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(SENSORS)}"))
-    return tuple(name for name in SENSORS if TOPICS[name].on or name in extra)
+                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(there)}"))
+    return tuple(name for name in there if name in (*extra, *_ADDS[circuit])
+                 or TOPICS[name].on and name not in _OFF[circuit])
 
 
-def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False
-             ) -> tuple[str, ...]:
+def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False,
+             circuit: str = 'open') -> tuple[str, ...]:
     """Return the names of the topics to record when these nodes run, in the table's order."""
-    nodes, sensors = set(nodes), readings(extra)
+    nodes, sensors = set(nodes), readings(extra, circuit)
     names = [name for name, topic in TOPICS.items()
-             if topic.publisher in nodes and topic.recorded
+             if topic.publisher in nodes and topic.recorded and name not in _LACKS[circuit]
              and (name in sensors if topic.publisher == 'plant'
                   else topic.on or WITH_READING.get(name) in sensors)]
     return (*names, *(f'truth/{name}' for name in sensors if truth))

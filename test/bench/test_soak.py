@@ -4,7 +4,7 @@
 from argparse import Namespace
 
 from bench.respawn import judge
-from bench.soak import judge_data, judge_drive, judge_memory, Memory, memory_of, PERIOD
+from bench.soak import judge_data, judge_drive, judge_memory, Memory, memory_of
 from hst_drive.bag import BagWriter, write_run
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
@@ -13,7 +13,8 @@ from hst_drive.measure.run import Run
 import numpy as np
 import pytest
 
-LIMITS = Namespace(jitter=10.0, late=0.1)
+LIMITS = Namespace(jitter=10.0, late=0.1, rate=100.0)
+PERIOD = 10_000_000     # ns
 START = 1_000_000_000
 
 
@@ -50,6 +51,12 @@ def test_growth_is_told_and_filling_is_not(capsys):
     assert said == ['a grows by 11.9 MB/h']
     assert '+11.90' in capsys.readouterr().out
     assert judge_memory({}, 5.0) != []
+
+
+def test_steps_are_counted_at_the_rate_that_was_asked_for(tmp_path):
+    folder = write(tmp_path / 'b')
+    assert judge_data(folder, 6.0, False, Namespace(rate=100.0)) == []
+    assert len(judge_data(folder, 6.0, False, Namespace(rate=200.0))) == 2
 
 
 @pytest.mark.parametrize('late, missing, words', [

@@ -338,7 +338,7 @@ def test_a_drive_that_waits_for_its_start_sends_zero_until_then(bench):
     assert {value for _, value in drive.sent} == {0.0} and len(drive.sent) == 3
     drive.node._tell()
     assert drive.told[-1]['message'] == (
-        'ready; start it with speed_setpoint back at its smallest, or ~/start')
+        'ready; start it with speed_setpoint back at 0, or ~/start')
     assert drive.told[-1]['level'] == 1
     assert drive.node._audit.last == '' and drive.start() == []
     drive.tick()
@@ -540,3 +540,49 @@ def test_a_fault_is_an_error_in_the_log_once(bench, capfd):
 def test_settings_that_make_no_sense_are_named(bench):
     with pytest.raises(InputError, match='controller: .*u_clamp'):
         bench(u_clamp_min=5.0, u_clamp_max=5.0)
+
+
+def test_a_drive_that_turns_either_way_stops_from_backwards_at_zero_stroke(bench):
+    drive = bench(u_clamp_min=-10.0, dead_band=1.0, emergency_stop_time=0.1)
+    for _ in range(100):
+        drive.tick(reading=-10.0, wish=-15.0)
+    assert drive.node._watch.fault is None and drive.command < -2.0
+    before = drive.command
+    drive.press('topic', True)
+    stopping = []
+    for _ in range(10):
+        drive.tick(reading=-10.0, wish=-15.0)
+        drive.supervise.callback()
+        stopping.append(drive.command)
+    assert stopping == sorted(stopping) and before < stopping[0] <= 0.0 == stopping[-1]
+    assert drive.told[-1]['state'] == 'stopped' and drive.told[-1]['at_zero'] == 'true'
+    drive.press('topic', False)
+    assert drive.reset() == []
+    drive.tick(reading=-10.0, wish=-15.0)
+    drive.node._tell()
+    assert drive.told[-1]['message'] == 'ready; start it with speed_setpoint back at 0, or ~/start'
+    drive.tick(reading=0.0, wish=0.0)
+    assert drive.node._watch.state == 'running'
+
+
+def test_it_leaves_from_backwards_with_the_pump_at_zero(bench):
+    drive = bench(u_clamp_min=-10.0)
+    for _ in range(100):
+        drive.tick(reading=-10.0, wish=-15.0)
+    assert drive.command < -2.0
+    drive.node.deactivate()
+    assert drive.command == 0.0
+
+
+@pytest.mark.parametrize('start, first', [(-3.0, -3.0), (-1.0, -1.0), (-100.0, KP * -5.0)])
+def test_a_start_command_may_be_backwards_where_commands_are(bench, start, first):
+    drive = bench(u_clamp_min=-10.0, start_command=start)
+    drive.wish(-15.0)
+    drive.tick(reading=-10.0, wish=-15.0)
+    assert drive.command == pytest.approx(first)
+
+
+def test_without_a_wish_a_drive_that_turns_either_way_stands(bench):
+    drive = bench(u_clamp_min=-10.0)
+    drive.read(0.0)
+    assert drive.command == 0.0

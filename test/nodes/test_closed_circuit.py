@@ -1,0 +1,134 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""A closed circuit in the nodes: a drive that turns either way."""
+import json
+from pathlib import Path
+
+from hst_drive.bag import read_log
+from hst_drive.errors import InputError
+from hst_drive.load import load_scenario
+from hst_drive.nodes import wiring
+from hst_drive.nodes.both_ways import dead_band_of
+from hst_drive.nodes.plan import make_plan, Options
+from hst_drive.rig import load_rig
+import numpy as np
+import pytest
+import yaml
+
+from .processes import run
+
+RIG = Path(__file__).with_name('closed_rig.yaml')
+STROKE, PUMP = 71e-6 / (2.0 * np.pi), 1800 * np.pi / 30.0       # of the rig file
+SWEPT = 3.0 * 2 * 560e-6 / (2.0 * np.pi)
+ARGUMENTS = ('run', 'reverse', '--rig', str(RIG))
+
+
+def changed(folder, **sections):
+    """Write the rig with other sections; return its path."""
+    content = yaml.safe_load(RIG.read_text(encoding='utf-8'))
+    for name, values in sections.items():
+        content[name] = {**content[name], **values}
+    path = folder / 'changed.yaml'
+    path.write_text(yaml.safe_dump(content), encoding='utf-8')
+    return path
+
+
+def test_what_runs_and_what_it_publishes(tmp_path):
+    plan = make_plan(Options('reverse', str(tmp_path / 'bag'), rig=str(RIG)))
+    assert list(plan.parameters) == ['plant', 'load_profile', 'controller', 'recorder']
+    law = plan.parameters['controller']
+    assert (law['u_clamp_min'], law['u_clamp_max'], law['dead_band']) == (-10.0, 10.0, 1.0)
+    assert {entry['circuit'] for entry in plan.parameters.values()} == {'closed'}
+    names = wiring.recorded(plan.parameters, circuit='closed')
+    assert {'line_a_pressure', 'line_b_pressure', 'charge_pressure', 'motor_torque'} <= set(names)
+    assert not {'pprv_command', 'pump_outlet_pressure', 'load_torque_command'} & set(names)
+    # As before on the open circuit.
+    assert not any(name.startswith(('line_', 'charge')) for name in wiring.recorded(wiring.NODES))
+    with pytest.raises(InputError, match='pump_outlet_pressure'):
+        wiring.readings(['pump_outlet_pressure'], 'closed')
+    with pytest.raises(InputError, match='line_a_pressure'):
+        wiring.readings(['line_a_pressure'])
+
+
+def test_an_open_circuit_does_not_reverse():
+    with pytest.raises(InputError, match=r'reverse.yaml: speed_setpoint: is -\S+ rpm at \S+ s.*'
+                       'turns one way.*--rig'):
+        load_scenario('reverse')
+
+
+@pytest.mark.parametrize('scenario, options, words', [
+    ('commissioning', {}, 'pprv_command.*loading unit'),
+    ('reverse', {'topics': ('pump_outlet_pressure',)}, 'pump_outlet_pressure'),
+    ('reverse', {'effects': ('line_inertia.x=1',)}, 'line_inertia')])
+def test_what_a_closed_circuit_has_not_is_told_before_a_node_starts(
+        tmp_path, scenario, options, words):
+    with pytest.raises(InputError, match=words):
+        make_plan(Options(scenario, str(tmp_path / 'bag'), rig=str(RIG), **options))
+
+
+@pytest.mark.parametrize('command, displacement, band', [
+    ([-10, -1, 1, 10], [-71, 0, 0, 71], 1.0), ([-10, 10], [-71, 71], 0.0),
+    ([-10, -2, 1, 10], [-71, 0, 0, 71], 1.0), ([-5, -0.5, 0.7, 5], [-71, 0, 0, 71], 0.5)])
+def test_the_dead_band_is_that_of_the_pumps_table(tmp_path, command, displacement, band):
+    rig = load_rig(changed(tmp_path, pump={'displacement_vs_command': {
+        'command_V': command, 'displacement_cc_rev': displacement}}))
+    assert dead_band_of(rig) == pytest.approx(band, abs=0.02)
+
+
+def test_zero_stroke_has_to_be_at_zero_volt(tmp_path):
+    rig = load_rig(changed(tmp_path, pump={'displacement_vs_command': {
+        'command_V': [0, 4.5, 5.5, 10], 'displacement_cc_rev': [-71, 0, 0, 71]}}))
+    with pytest.raises(InputError, match='pump.displacement_vs_command: is not 0 at 0 V'):
+        dead_band_of(rig)
+
+
+@pytest.fixture(scope='module')
+def reversed_run(tmp_path_factory):
+    pytest.importorskip('rclpy')
+    bag = tmp_path_factory.mktemp('closed') / 'bag'
+    code, out, err = run(*ARGUMENTS, '-o', str(bag))
+    assert code == 0, err
+    return read_log(bag)
+
+
+def at(record, first, last):
+    """Return channel means between two times, s."""
+    time = record.time - record.time[0]
+    rows = (time > first) & (time < last)
+    return {name: float(np.mean(record[name][rows])) for name in record.channels}
+
+
+def test_it_drills_stops_reverses_and_drills_on(reversed_run):
+    rpm = np.pi / 30.0
+    for first, last, speed in ((13.0, 18.0, 25.0), (28.0, 30.9, -12.0), (34.0, 38.0, -12.0),
+                               (52.0, 59.5, 25.0)):
+        assert at(reversed_run, first, last)['motor_speed'] == pytest.approx(speed * rpm, rel=0.04)
+    for first, last in ((22.5, 24.0), (42.0, 44.0)):
+        assert abs(at(reversed_run, first, last)['motor_speed']) < 0.15
+        assert abs(at(reversed_run, first, last)['pump_command']) < 1.3
+
+
+def test_flow_and_torque_balance_either_way(reversed_run):
+    """The pump's stroke carries the speed, the line under pressure the torque: by hand."""
+    for first, last, way in ((13.0, 18.0, 1.0), (28.5, 30.5, -1.0)):
+        found = at(reversed_run, first, last)
+        stroke = STROKE * (abs(found['pump_command']) - 1.0) / 9.0
+        ideal = way * stroke * PUMP / SWEPT
+        # Leakage: 0.012 + 2 * 0.008 L/min per bar of some 50 to 80 bar.
+        assert 0.93 < found['motor_speed'] / ideal < 1.0
+        difference = found['line_a_pressure'] - found['line_b_pressure']
+        assert way * difference > 2e6 and 0.75 < found['motor_torque'] / (
+            SWEPT * difference) < 0.97
+        low = found['line_b_pressure'] if way > 0.0 else found['line_a_pressure']
+        assert low == pytest.approx(25e5, rel=0.05) and found['charge_pressure'] > low
+
+
+def test_the_recording_is_one_that_the_model_describes(reversed_run, tmp_path):
+    """What the nodes simulated replays balance by balance down to the sensors' noise."""
+    assert np.array_equal(reversed_run['load_torque'], reversed_run['motor_torque'])
+    code, out, err = run('compare', reversed_run.source, '--rig', str(RIG), '--json',
+                         str(tmp_path / 'found.json'))
+    assert code == 0, err
+    signals = json.loads((tmp_path / 'found.json').read_text(encoding='utf-8'))['signals']
+    assert {'motor_speed', 'line_a_pressure', 'line_b_pressure', 'motor_torque'} <= set(signals)
+    assert max(entry['noise_ratio'] for entry in signals.values()) < 1.3
