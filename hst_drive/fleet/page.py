@@ -9,7 +9,7 @@ from hst_drive.fleet.picture import picture
 from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
 from hst_drive.fleet.track import OIL
-from hst_drive.fleet.words import amount, of_machine, sentence, since, size, until
+from hst_drive.fleet.words import amount, day, of_machine, sentence, since, size, until
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
 
@@ -81,14 +81,17 @@ def _overview(summary: Summary) -> Markup:
     rows = []
     for number, machine in enumerate(summary.machines):
         entry = _foremost(machine)
+        last = machine.events[-1] if machine.events else None
         rows.append([
             element('a', machine.name, href=f'#machine-{number}'), _badge(machine),
             f'{entry.effect} {entry.growth.kind}' if entry else '', size(entry) if entry else '',
-            since(entry).removeprefix('since ') if entry else '',
-            until(entry) if entry else '', machine.last])
+            since(entry).removeprefix('since ') if entry else '', until(entry) if entry else '',
+            f'{last.what} (by {day(last.before)})' if last else '',
+            element('span', machine.last, style='white-space: nowrap')])
     return section(
         'urgency', 'By urgency', element('div', table(
-            ['machine', 'state', 'what', 'now (95 %)', 'grows since', 'limit', 'last log'], rows,
+            ['machine', 'state', 'what', 'now (95 %)', 'grows since', 'limit',
+             'last event', 'last log'], rows,
             'Machines, the most urgent first'), class_='overview'))
 
 
@@ -119,12 +122,12 @@ def _machine(number: int, machine: Machine) -> Markup:
 
 
 def _outliers(summary: Summary) -> Markup:
-    rows = [[entry.point.campaign, entry.point.effect, amount(entry.point.value, entry.point.unit),
+    rows = [[entry.point.machine, entry.point.effect, amount(entry.point.value, entry.point.unit),
              amount(entry.median, entry.point.unit), f'{entry.z:+.1f}']
             for entry in summary.outliers]
     return section('outliers', 'Unlike the others', note(
-        'Robust z beyond 3.5 among the machines that show the effect (five at least).'),
-        table(['campaign', 'effect', 'size', "machines' median", 'z'], rows, 'Outliers')
+        'Robust z beyond 3.5 among the machines that show the effect now (five at least).'),
+        table(['machine', 'effect', 'size', "machines' median", 'z'], rows, 'Outliers')
         if rows else note('None.'))
 
 

@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple, Sequence
 
 from hst_drive.fleet.events import Event, events
-from hst_drive.fleet.growth import FEWEST, Growth, History, Remaining
+from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
 import numpy as np
@@ -113,8 +113,7 @@ def summarise(lives: Lives, limits: Limits | None = None) -> Summary:
     """Put together what is known of a fleet; ``limits`` by effect and parameter, SI."""
     machines = [_machine(name, lives, limits or {})
                 for name in sorted({row['machine'] for row in lives.rows})]
-    points = [point for row in lives.rows for point in points_of(row)]
-    return Summary(sorted(machines, key=_urgency), outliers(points),
+    return Summary(sorted(machines, key=_urgency), outliers(lives.rows),
                    [(row['campaign'], row['reason']) for row in lives.rows
                     if row['status'] == 'failed'])
 
@@ -196,30 +195,27 @@ def _urgency(machine: Machine) -> tuple:
     return STATES.index(machine.state), first, machine.name
 
 
-def too_few(machine: Machine) -> bool:
-    """Tell whether a machine has too few dates for its growth to be told."""
-    return all(len(entry.history.days) < FEWEST for entry in machine.followed)
-
-
-def outliers(points: Sequence[Point]) -> list[Outlier]:
+def outliers(rows: Sequence[dict]) -> list[Outlier]:
     """
     Return machines whose effect is unlike that of the others that have it, each by its last size.
 
     The scale is the median deviation, but no less than the sizes are sure.
     """
-    found = []
-    last = {(point.effect, point.parameter, point.machine): point
-            for point in sorted(points, key=lambda point: (point.date, point.campaign))}
+    last = {row['machine']: row for row in sorted(
+        (row for row in rows if row['diagnosis']),
+        key=lambda row: (row['date'] or '', row['campaign']))}
     groups: dict[tuple[str, str], list[Point]] = {}
-    for (effect, parameter, _), point in last.items():
-        groups.setdefault((effect, parameter), []).append(point)
+    for row in last.values():
+        for point in points_of(row):
+            groups.setdefault((point.effect, point.parameter), []).append(point)
+    found = []
     for group in groups.values():
         if len(group) < _FEWEST_MACHINES:
             continue
-        each = [point.value for point in group]
+        each = np.array([point.value for point in group])
         middle = float(np.median(each))
         sure = np.median([(point.high - point.low) / (2 * _SURE) for point in group])
-        scale = max(float(np.median(np.abs(np.array(each) - middle))) / 0.6745, float(sure))
+        scale = max(float(np.median(np.abs(each - middle))) / 0.6745, float(sure))
         if scale > 0:
             found += [Outlier(point, middle, (point.value - middle) / scale) for point in group
                       if abs(point.value - middle) > _FAR * scale]

@@ -9,12 +9,13 @@ import math
 
 from hst_drive.effects import catalogue
 from hst_drive.fleet.summary import (
-    AHEAD, Followed, GROWS, Machine, REACHED, STATES, Summary, too_few)
+    AHEAD, Followed, GROWS, Machine, REACHED, STATES, Summary)
 from hst_drive.fleet.track import OIL
 from hst_drive.units import for_people
 
 _FAR = 10.0         # years: what is further away is not told as a date
 _YEAR = 365.25      # days
+_MOST = 5           # names in the sentence
 
 
 def day(ordinal: float) -> str:
@@ -75,12 +76,12 @@ def trend(entry: Followed) -> str:
 
 
 def until(entry: Followed) -> str:
-    """Say when the limit is reached; empty without a limit."""
+    """Say when the limit is reached; empty without a limit, or with too few dates to say."""
     if entry.limit is None:
         return ''
     limit = amount(entry.limit, entry.unit)
     if entry.remaining is None:
-        return f'too few dates to say when {limit} is reached'
+        return ''
     low, middle, high, reached = entry.remaining
     end = entry.growth.now + _FAR * _YEAR
     if reached > 0.5:
@@ -107,17 +108,14 @@ def of_machine(machine: Machine) -> list[str]:
              for event in machine.events]
     if not told:
         told.append(machine.sentence or 'No campaign of it could be judged.')
-    if machine.followed and too_few(machine):
-        told.append('Too few dates to say what grows.')
     return told
 
 
 def sentence(summary: Summary) -> str:
     """Say the most important of a fleet."""
     count = Counter(machine.state for machine in summary.machines)
-    machines = len(summary.machines)
     parts = [f'{count[state]} {state}' for state in STATES if count[state]]
-    text = f'{machines} {"machine" if machines == 1 else "machines"}: {", ".join(parts)}.'
+    text = f'{_many(len(summary.machines), "machine")}: {", ".join(parts)}.'
     for machine in summary.machines:
         if machine.state in (REACHED, AHEAD, GROWS) and machine.followed:
             entry = machine.followed[0]
@@ -125,10 +123,15 @@ def sentence(summary: Summary) -> str:
             text += f' First to see to: {machine.name} ({entry.effect}: {why}).'
             break
     if summary.outliers:
-        text += f' {len(summary.outliers)} campaigns are unlike the others.'
+        text += ' Unlike the others: ' + ', '.join(dict.fromkeys(
+            entry.point.machine for entry in summary.outliers[:_MOST])) + '.'
     if summary.failures:
-        text += f' {len(summary.failures)} campaigns could not be judged.'
+        text += f' {_many(len(summary.failures), "campaign")} could not be judged.'
     return text
+
+
+def _many(count: int, what: str) -> str:
+    return f'{count} {what}{"" if count == 1 else "s"}'
 
 
 def far(ordinal: float, now: float) -> bool:
