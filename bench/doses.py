@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-From which size on is wear found, with and without a machine's own file? And false alarms.
+From which size on wear is found, with and without a machine's own file; false alarms.
 
     python -m bench.doses --machines 20 --json doses.jsonl
 

@@ -50,7 +50,8 @@ def fleet(folder: Path, workers: int, kill: bool) -> tuple[float, list[dict]]:
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'fleet', str(folder / 'campaigns'), '--results',
              str(results), '--healthy', '0', '--scheduler', cluster.scheduler_address,
-             '--json', str(folder / 'fleet.json')], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             '--json', str(folder / 'fleet.json')], stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL)
         total = sum(1 for _ in (folder / 'campaigns').glob('*/*'))
         while process.poll() is None:
             time.sleep(0.5)

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Does the remaining time lie in its interval? Histories of sizes drawn by chance, no logs.
+How often remaining time lies in its interval: histories of sizes drawn by chance, no logs.
 
     python -m bench.growth --count 400
 

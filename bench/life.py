@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Twenty machines over two years: does the page of the fleet tell what happened to them?
+Twenty machines over two years, and whether the page tells what happened to them.
 
     python -m bench.life --folder life
 
@@ -43,7 +43,7 @@ class Life(NamedTuple):
     What happens to a machine: months, sizes of what is typical.
 
     ``law`` is how it wears: 'steady', 'onset' or 'faster'; ``size`` what it is after 24 months;
-    ``sensor`` an effect and its size from then on; ``summer`` by how many K the oil is warmer then.
+    ``sensor`` an effect and its size from then on; ``summer``: K by which the oil is warmer.
     """
 
     wear: str = ''

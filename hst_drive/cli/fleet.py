@@ -76,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     began = time.monotonic()
     try:
         lives = live(campaigns, Store(Path(args.results)), as_json, healthy=args.healthy,
-                     workers=args.workers, scheduler=args.scheduler, again=args.again,
+                     limited={name for name, _ in limits}, workers=args.workers, scheduler=args.scheduler, again=args.again,
                      progress=_progress(began))
     except KeyboardInterrupt:
         say(f'what is done is kept in {args.results}; the same command goes on from there')
@@ -114,7 +114,8 @@ def _progress(began: float):
         if row['status'] == 'failed':
             say(f'{row["campaign"]}: failed: {row["reason"]}')
         if tty or progress.done == progress.total or progress.done % 50 == 0:
-            line = f'{progress.done} of {progress.total} {progress.what}, {time.monotonic() - began:.0f} s'
+            line = (f'{progress.done} of {progress.total} {progress.what}, '
+                    f'{time.monotonic() - began:.0f} s')
             print(f'\r{line}' if tty and progress.done < progress.total else line,
                   end='' if tty and progress.done < progress.total else '\n', file=sys.stderr,
                   flush=True)

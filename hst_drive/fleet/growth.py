@@ -249,12 +249,13 @@ def _sums(count: int, evidence: dict[tuple[int, int], np.ndarray]) -> tuple[np.n
     inner = {key: value + (key[1] - key[0] - 1) * np.log1p(-_CUT)
              for key, value in evidence.items()}
     for end in range(1, count + 1):
-        ahead[end] = np.logaddexp.reduce([ahead[first] + inner[first, end] + (np.log(_CUT) if first else 0.0)
-                                for first in range(end)], axis=0)
+        ahead[end] = np.logaddexp.reduce([
+            ahead[first] + inner[first, end] + (np.log(_CUT) if first else 0.0)
+            for first in range(end)], axis=0)
     for first in range(count - 1, -1, -1):
-        behind[first] = np.logaddexp.reduce([inner[first, end] + behind[end]
-                                   + (np.log(_CUT) if end < count else 0.0)
-                                   for end in range(first + 1, count + 1)], axis=0)
+        behind[first] = np.logaddexp.reduce([
+            inner[first, end] + behind[end] + (np.log(_CUT) if end < count else 0.0)
+            for end in range(first + 1, count + 1)], axis=0)
     return ahead, behind
 
 

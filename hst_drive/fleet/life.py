@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import partial
 import json
 import re
-from typing import Callable, Mapping, NamedTuple, Sequence
+from typing import Callable, Collection, Mapping, NamedTuple, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.fleet.campaigns import Campaign
@@ -40,7 +40,8 @@ class Lives(NamedTuple):
 
 
 def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object], dict], *,
-         healthy: int = HEALTHY, workers: int = 0, scheduler: str = '', again: bool = False,
+         healthy: int = HEALTHY, limited: Collection[str] = (), workers: int = 0,
+         scheduler: str = '', again: bool = False,
          progress: Callable[[Progress], None] = lambda progress: None) -> Lives:
     """
     Commission, diagnose and follow all machines.
@@ -56,6 +57,8 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
     healthy : int
         So many first campaigns of a machine are taken as healthy; 0: none, all are judged by the
         make.
+    limited : collection of str
+        Effects with a limit: followed where the logs do not tell them from what was named.
     workers, scheduler, again, progress
         As for ``run_fleet``.
 
@@ -89,8 +92,8 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
     for name in machines:
         rig, given = _rig(own, name)
         units[name] = given or units[name]
-        follow[name] = to_follow([row for row in found if row['machine'] == name], rig) \
-            if rig else {}
+        follow[name] = to_follow([row for row in found if row['machine'] == name], rig,
+                                 limited) if rig else {}
     done = {row['campaign'] for row in found if row['status'] != 'failed'}
     dated = [campaign for campaign in own if campaign.date and campaign.name in done
              and (follow[campaign.machine] or campaign.machine in files)]

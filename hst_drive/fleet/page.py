@@ -16,7 +16,7 @@ from hst_drive.report.page import asset
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
 _COLOURS = {REACHED: '#b03a00', AHEAD: '#b03a00', GROWS: '#8a6100', ODD: '#5b3fa0',
             THERE: '#0072b2', SOUND: '#007a5a', UNTOLD: '#57606a'}
-_STYLE = '''
+_STYLE = """
 .state { display: inline-block; border-radius: 1rem; padding: 0 .6rem; font-weight: 600;
   border: 2px solid; font-size: .85rem; white-space: nowrap; }
 .machine { border-top: 2px solid var(--line); margin-top: 1.6rem; padding-top: .2rem; }
@@ -27,7 +27,7 @@ _STYLE = '''
   gap: 0 1.4rem; }
 .overview td, .overview th { white-space: normal; }
 .overview table { width: 100%; }
-'''
+"""
 
 
 def fleet_page(name: str, rows: Sequence[dict], summary: Summary) -> str:

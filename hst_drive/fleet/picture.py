@@ -81,8 +81,9 @@ def picture(entry: Followed, label: str) -> Markup:
                   element('text', f'limit {amount(entry.limit, entry.unit)}', x=_LEFT + 4,
                           y=f'{y(limit) - 4:.1f}', font_size=12, fill=RED)]
     for at, value, spread in zip(history.days, values, wide):
-        parts += [element('line', x1=f'{x(at):.1f}', x2=f'{x(at):.1f}', y1=f'{y(value - spread):.1f}',
-                          y2=f'{y(value + spread):.1f}', stroke=SOFT),
+        parts += [element('line', x1=f'{x(at):.1f}', x2=f'{x(at):.1f}',
+                          y1=f'{y(value - spread):.1f}', y2=f'{y(value + spread):.1f}',
+                          stroke=SOFT),
                   element('circle', cx=f'{x(at):.1f}', cy=f'{y(value):.1f}', r=3.2, fill=BLUE)]
     return element('svg', *parts, viewBox=f'0 0 {_WIDTH} {_HEIGHT}', role='img',
                    style='width: 100%; height: auto; max-width: 46rem',

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the answers say together: machine by machine what grows, since when, until when; who is unlike.
+What the answers say together: machine by machine what grows, since when and until when.
 
 An outlier has a robust z beyond 3.5 (B. Iglewicz, D. Hoaglin, How to detect and handle outliers,
 ASQC 1993).

@@ -9,7 +9,7 @@ stiffness of the oil is followed too: a machine keeps its own, its oil is change
 """
 from __future__ import annotations
 
-from typing import Iterable, Mapping, NamedTuple, Sequence
+from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import fit
@@ -96,12 +96,14 @@ def _free_oil(campaign: Campaign, rig: Rig, effects: Iterable[str]) -> bool:
     return True
 
 
-def to_follow(rows: Sequence[dict], rig: Rig) -> dict[str, dict[str, float]]:
+def to_follow(rows: Sequence[dict], rig: Rig,
+              limited: Collection[str] = ()) -> dict[str, dict[str, float]]:
     """
     Return the effects that a machine is followed by, with parameters for their form.
 
     What the logs do not tell apart may be named one way on one date and another on the next: the
-    name that fits most dates is taken, the form from where it was largest.
+    name that fits most dates is taken, the form from where it was largest. Where one of them has
+    a limit and fits half of the dates, that is the name.
 
     Parameters
     ----------
@@ -109,6 +111,8 @@ def to_follow(rows: Sequence[dict], rig: Rig) -> dict[str, dict[str, float]]:
         Of the machine's campaigns (``task.row_of``).
     rig : Rig
         Its file; what that has adopted is followed as well.
+    limited : collection of str
+        Effects that the user has given a limit for.
 
     """
     found = [entry for row in rows for entry in (row.get('diagnosis') or {}).get('effects') or []]
@@ -121,11 +125,12 @@ def to_follow(rows: Sequence[dict], rig: Rig) -> dict[str, dict[str, float]]:
             votes[entry['id']] = votes.get(entry['id'], 0.0) + 1.01
             for other in entry['indistinguishable_from']:
                 votes[other] = votes.get(other, 0.0) + 1.0
-        named = {entry['id'] for entry in left}
-        best = max(sorted(named), key=lambda name: votes[name])
-        own = [entry for entry in left if entry['id'] == best]
-        chosen[best] = max((_values(entry) for entry in own), key=lambda values: abs(
-            values[_first(best)]))
+        named = {entry['id'] for entry in left} | {
+            name for name in limited if votes.get(name, 0.0) >= 0.5 * len(left)}
+        best = max(sorted(named), key=lambda name: (name in limited) * len(left) + votes[name])
+        own = [_values(entry) for entry in left if entry['id'] == best] or [{
+            entry.name: entry.typical for entry in catalogue(everything=True)[best].parameters}]
+        chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
         left = [entry for entry in left
                 if best not in (entry['id'], *entry['indistinguishable_from'])]
     return chosen
