@@ -85,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         write_json(fleet_json(lives, summary), args.json)
     if args.output:
-        write_text(fleet_page(Path(args.place).resolve().name, lives.rows, summary),
+        write_text(fleet_page(Path(args.place).resolve().stem, lives.rows, summary),
                    args.output)
         say(f'wrote {args.output}')
     if args.json != '-':

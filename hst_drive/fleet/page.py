@@ -9,7 +9,7 @@ from hst_drive.fleet.picture import picture
 from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
 from hst_drive.fleet.track import OIL
-from hst_drive.fleet.words import amount, day, of_machine, sentence, since, size, until
+from hst_drive.fleet.words import amount, day, goes, of_machine, sentence, since, size, until
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
 
@@ -27,6 +27,13 @@ _STYLE = """
   gap: 0 1.4rem; }
 .overview td, .overview th { white-space: normal; }
 .overview table { width: 100%; }
+@media (max-width: 50rem) {
+  .overview thead, .overview :is(:nth-child(4), :nth-child(5), :nth-child(7), :nth-child(8)):is(
+    th, td) { display: none; }
+  .overview tbody, .overview tr, .overview :is(th, td) { display: block; border: 0; padding: 0; }
+  .overview tr { border-top: 1px solid var(--line); padding: .4rem 0; }
+  .overview :is(th, td):nth-child(-n+2) { display: inline-block; margin-right: .6rem; }
+}
 """
 
 
@@ -84,7 +91,7 @@ def _overview(summary: Summary) -> Markup:
         last = machine.events[-1] if machine.events else None
         rows.append([
             element('a', machine.name, href=f'#machine-{number}'), _badge(machine),
-            f'{entry.effect} {entry.growth.kind}' if entry else '', size(entry) if entry else '',
+            f'{entry.effect}: {goes(entry)}' if entry else '', size(entry) if entry else '',
             since(entry).removeprefix('since ') if entry else '', until(entry) if entry else '',
             f'{last.what} (by {day(last.before)})' if last else '',
             element('span', machine.last, style='white-space: nowrap')])
@@ -107,7 +114,8 @@ def _machines(summary: Summary) -> Markup:
 
 def _machine(number: int, machine: Machine) -> Markup:
     shown = [entry for entry in machine.followed
-             if entry.there or entry.growth.kind != 'steady' or entry.growth.jumps]
+             if entry.growth.jumps or entry.grows or entry.effect != OIL and (
+                 entry.there or entry.growth.kind != 'steady')]
     figures = [element('figure', element('figcaption', entry.effect.replace(
         OIL, 'oil stiffness')), picture(entry, f'{machine.name}: {entry.effect}'))
         for entry in shown or machine.followed[:1]]

@@ -31,10 +31,15 @@ def picture(entry: Followed, label: str) -> Markup:
     if entry.remaining and not far(entry.remaining.middle, now):
         end = min(max(end, entry.remaining.middle + 0.1 * (now - first)),
                   now + 1.5 * max(now - first, 60.0))
+    # What does not grow leads nowhere.
+    leads = entry.grows or entry.remaining and not far(entry.remaining.middle, now)
+    last = end if leads else now
     start = max((jump.before for jump in growth.jumps), default=first)
-    days = np.linspace(start, end, _STEPS)
+    days = np.linspace(start, last, _STEPS)
     band = np.array([growth.band(at) for at in days]) * scale if growth.kind != 'too few dates' \
         else np.empty((0, 3))
+    if values.min() >= 0.0:
+        band = band.clip(min=0.0)       # a leak that is closed goes no further
     reach = max(np.abs(values).max() + wide.max(), *np.abs(band[days <= now][:, 1]), 1e-300) \
         if len(band) else np.abs(values).max() + wide.max()
     limit = None if entry.limit is None else entry.limit * scale

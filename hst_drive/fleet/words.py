@@ -95,6 +95,12 @@ def until(entry: Followed) -> str:
     return f'{limit} is reached about {day(middle)}, between {day(low)} and {day(high)}'
 
 
+def goes(entry: Followed) -> str:
+    """Say in a word what a size does."""
+    return {'not clear': 'growth not clear', 'too few dates': 'too few dates to say'}.get(
+        entry.growth.kind, entry.growth.kind)
+
+
 def of_machine(machine: Machine) -> list[str]:
     """Return what is to be said of a machine, the most urgent first."""
     told = []
@@ -119,7 +125,7 @@ def sentence(summary: Summary) -> str:
     for machine in summary.machines:
         if machine.state in (REACHED, AHEAD, GROWS) and machine.followed:
             entry = machine.followed[0]
-            why = f'{entry.growth.kind}' if machine.state == GROWS else f'limit {until(entry)}'
+            why = goes(entry) if machine.state == GROWS else f'limit {until(entry)}'
             text += f' First to see to: {machine.name} ({entry.effect}: {why}).'
             break
     if summary.outliers:
