@@ -154,7 +154,8 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engin
         seen = speed_seen(p, y)
         if k % MS_PER_TICK == 0:
             if closed:
-                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral)
+                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral,
+                                         d_motor[k] / p.d_motor)
             else:
                 u = manual[k]
             u = round(u * 409.6) / 409.6

@@ -76,8 +76,8 @@ def machine(sheet: dict, factor: dict[str, float], chosen: dict[str, dict], rng,
     flat = {**catalogue.blank(), **rigs.numbers(sheet, factor, rng, detail)}
     flat.update(
         k_visc=1.0, q_rated=scale['Q'], w_rated=scale['W'], t_rated=scale['T'],
-        w_sign=0.008 * scale['W'], ff=fast / scale['W'], kp=fast / 3 / scale['W'],
-        ki=1.33 * fast / scale['W'], droop0=(0.01 if seen else 0.0005) * detail,
+        w_sign=0.008 * scale['W'], ff=fast / scale['W'], kp=0.08 * fast / scale['W'],
+        ki=fast / scale['W'], droop0=(0.01 if seen else 0.0005) * detail,
         engine_torque=scale['P'] * flat.get('d_pump', 0.0) * 1.1 + 1e-9)
     for ident, one in chosen.items():
         flat.update(one['si_parameters'])
