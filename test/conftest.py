@@ -58,8 +58,8 @@ MARKERS = {
 }
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
-# Tests whose nodes run as processes. They run one after the other, beside others.
-REAL_TIME = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_tutorial.py')
+# Tests whose nodes run as processes. They begin first and run one after the other, beside others.
+WITH_NODES = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_tutorial.py')
 
 
 def pytest_addoption(parser):
@@ -94,6 +94,11 @@ class Stopwatch:
         LONG.write_text(''.join(f'{name}\n' for name in sorted(self.found)), encoding='utf-8')
 
 
+def with_nodes(nodeid: str) -> bool:
+    """Say whether a test starts nodes as processes."""
+    return nodeid.removeprefix('test/').startswith(WITH_NODES)
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Give each process whole files, for tests of a file share what they have made."""
@@ -101,9 +106,9 @@ def pytest_xdist_make_scheduler(config, log):
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            path = nodeid.partition('::')[0]
-            return 'nodes' if path.removeprefix('test/').startswith(REAL_TIME) else path
+            return 'nodes' if with_nodes(nodeid) else nodeid.partition('::')[0]
 
+    config.option.loadscopereorder = False
     return ByFile(config, log)
 
 
@@ -114,7 +119,8 @@ def pytest_report_header():
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what takes long, and skip what this environment lacks."""
+    """Sort, mark what takes long, and skip what this environment lacks."""
+    items.sort(key=lambda item: not with_nodes(item.nodeid))
     long = set(LONG.read_text(encoding='utf-8').splitlines())
     for item in items:
         if not long.isdisjoint((item.nodeid, item.nodeid.partition('::')[0])):
