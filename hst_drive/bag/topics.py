@@ -100,8 +100,8 @@ def _scalar(channel: str, unit: str, title: str, frame: str, publisher: str, **m
                  (Field('vector.x', unit, title, channel),), **more)
 
 
-def _pressure(channel: str, title: str, frame: str, publisher: str = 'plant', **more) -> Topic:
-    return Topic(channel, FLUID_PRESSURE, frame, publisher,
+def _pressure(channel: str, title: str, frame: str, **more) -> Topic:
+    return Topic(channel, FLUID_PRESSURE, frame, 'plant',
                  (Field('fluid_pressure', 'Pa', title, channel, absolute=True),), **more)
 
 
@@ -157,9 +157,6 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     _scalar('motor_torque', 'N.m', 'hydromotor shaft torque', 'motor', 'plant', on=False),
     _scalar('pump_torque', 'N.m', 'pump shaft torque', 'pump', 'rig', on=False),
     _scalar('pump_power', 'W', 'pump shaft power', 'pump', 'rig', on=False),
-    _pressure('line_a_pressure', 'pressure of line A', 'line_a', 'rig', on=False),
-    _pressure('line_b_pressure', 'pressure of line B', 'line_b', 'rig', on=False),
-    _pressure('charge_pressure', 'charge pressure', 'charge', 'rig', on=False),
     _scalar('valve_command', 'V', 'valve command', 'valve', 'rig', on=False),
     _scalar('motor_displacement_command', 'V', 'hydromotor displacement command', 'motor', 'rig',
             on=False),

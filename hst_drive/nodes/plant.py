@@ -20,8 +20,8 @@ from hst_drive.nodes.simulated import simulated
 import numpy as np
 from rclpy.duration import Duration
 
-_PROGRESS = 0.5   # s of wall time between two lines of progress
-_JUMP = BILLION // 4   # ns; the clock was set if it is off by more
+_PROGRESS, _JUMP = 0.5, BILLION // 4   # s between lines of progress; ns: the clock was set
+_CATCHES_UP = 50   # steps in a tick: more than the queue holds would overwrite each other
 
 
 class Plant(DriveNode):
@@ -246,7 +246,7 @@ class Plant(DriveNode):
         if abs(jump := self.now() - self._start - passed) > _JUMP:
             self._start += jump
             self.get_logger().warning(f'the clock was set by {jump / BILLION:+.3g} s')
-        due = passed // self._period
+        due = min(passed // self._period, self._step + _CATCHES_UP)
         while self._step < due and self.exit_code is None:
             self._step += 1
             self._late.append((passed - self._step * self._period) / BILLION)
