@@ -35,9 +35,6 @@ _UNLISTED = 0.1     # prior odds of something unlisted against one listed effect
 _DECIDED = 5.0
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
-_ANY = _SIZES >= _BASELINE
-_OF_ANY_SIZE = np.log(np.where(_ANY, 1.0 / _ANY.sum(), 1e-300))
-_EDGES = np.concatenate([[0.0, 0.5 * _SIZES[1]], np.sqrt(_SIZES[1:-1] * _SIZES[2:]), [np.inf]])
 
 
 class Sensor(NamedTuple):
@@ -201,7 +198,7 @@ def _evidence(entry: Explanation, sensors: Mapping[str, Sensor],
         formula = likely + _as_share(float(np.hypot(_BASELINE, _SHARE * signal.moved)))
         alone += float(logsumexp(formula))
         # Each signal shows it or does not.
-        beside += float(logsumexp([*formula, *(likely + _OF_ANY_SIZE)])) - float(np.log(2.0))
+        beside += float(logsumexp([*formula, *(likely + _of_any_size())])) - float(np.log(2.0))
     # What is not listed and was fitted is one more of as many.
     count = len(entry.effects) + (not entry.listed)
     before = entry.penalty - count * float(np.log(max(candidates, 1)))
@@ -211,7 +208,14 @@ def _evidence(entry: Explanation, sensors: Mapping[str, Sensor],
 
 def _as_share(scale: float) -> np.ndarray:
     """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
-    return np.asarray(np.log(np.diff(halfnorm.cdf(_EDGES, scale=scale)) + 1e-300))
+    edges = [0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf]
+    return np.asarray(np.log(np.diff(halfnorm.cdf(edges, scale=scale)) + 1e-300))
+
+
+def _of_any_size() -> np.ndarray:
+    """Return the same of what is not listed: each order of magnitude from what curves are off."""
+    possible = _SIZES >= _BASELINE
+    return np.where(possible, -np.log(possible.sum()), -np.inf)
 
 
 def decided(found: Probability, verdict: str,
