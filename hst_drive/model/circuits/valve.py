@@ -49,7 +49,6 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     flow = abs(swept)
     line_drop = 0.0
     # slot line_drop
-    pressure = max(pressure - line_drop, 0.0)
     back_pressure = 0.0
     # slot back_pressure
     low = max(min(line_a_pressure, line_b_pressure), 0.0)
@@ -83,9 +82,10 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
         a_rate = max(a_rate, 0.0)
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
+    at_motor = difference - 2.0 * line_drop * (1.0 if motor_speed >= 0.0 else -1.0)
     motor_torque = shaft_torque(
-        pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-        motor_displacement, p, on, cells, layout)
+        abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
+        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
     acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
     # What goes back through its edge tells the pressure before it.
