@@ -108,7 +108,7 @@ def test_what_leaks_from_line_to_line_needs_no_charge():
 
 
 def test_the_integrator_agrees_with_radau():
-    """SciPy's Radau on the same rates of a circuit of three equations, and a closed form."""
+    """Three equations: the same rates by Radau of SciPy, and a closed form."""
     rig = parse_rig({'name': 'own', 'circuit': 'own', 'motor': {
         'displacement_cc_rev': 100, 'inertia_total_kg_m2': 0.5}})
     time = np.linspace(0.0, 2.0, 201)
