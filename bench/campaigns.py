@@ -82,12 +82,13 @@ def campaign(task: Task) -> Campaign:
 
 def as_runs(made: Campaign) -> tuple[Rig, list[Run], list[Run]]:
     """Return the rig, the logs to fit on and those held out, as a user gives them."""
-    runs = {name: _run(name, columns) for name, columns in made.logs.items()}
+    runs = {name: run_of(name, columns) for name, columns in made.logs.items()}
     held = runs.pop(HOLDOUT)
     return parse_rig(made.sheet), list(runs.values()), [held]
 
 
-def _run(name: str, columns: dict) -> Run:
+def run_of(name: str, columns: dict) -> Run:
+    """Return the columns of a log (name[unit]) as a recording."""
     channels = {}
     for header, values in columns.items():
         channel, unit = parse_header(header)

@@ -24,6 +24,7 @@ from bench.score import report, right
 from bench.sizes import sizes
 from bench.visible import detectable, visible
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.document import as_json
 import numpy as np
 
 
@@ -53,7 +54,8 @@ def judge(task: Task) -> dict:
                         for entry in found.ranking[:6]],
             'calibration': [[entry.quantity, round(entry.sigmas, 2)]
                             for entry in found.calibration[:4]],
-            'values': sizes(found, made, rig), 'seconds': seconds, 'cpu_seconds': spent}
+            'values': sizes(found, made, rig),
+            'probability': as_json(found)['probability'], 'seconds': seconds, 'cpu_seconds': spent}
 
 
 def _short(ratios: dict[str, float]) -> dict[str, float]:

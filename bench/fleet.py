@@ -49,8 +49,9 @@ def fleet(folder: Path, workers: int, kill: bool) -> tuple[float, list[dict]]:
         began = time.monotonic()
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'fleet', str(folder / 'campaigns'), '--results',
-             str(results), '--scheduler', cluster.scheduler_address, '--json',
-             str(folder / 'fleet.json')], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             str(results), '--healthy', '0', '--scheduler', cluster.scheduler_address,
+             '--json', str(folder / 'fleet.json')], stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL)
         total = sum(1 for _ in (folder / 'campaigns').glob('*/*'))
         while process.poll() is None:
             time.sleep(0.5)

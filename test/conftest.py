@@ -4,10 +4,12 @@
 from contextlib import ExitStack
 from importlib.util import find_spec
 import os
+from pathlib import Path
 import sys
 
 from hst_drive.nodes.session import free_domain
 from hst_drive.resources import share
+from hypothesis import settings
 import pytest
 
 # Before any rclpy: the nodes that tests start see each other and nothing else. The lock is held
@@ -17,6 +19,10 @@ os.environ['ROS_DOMAIN_ID'] = str(free_domain(LOCKS))
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 os.environ.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(share('config/fastdds_local.xml')))
 os.environ.setdefault('AMENT_PREFIX_PATH', sys.prefix)
+
+# Beside other tests an example may take any time.
+settings.register_profile('untimed', deadline=None)
+settings.load_profile('untimed')
 
 HAS_NUMBA = find_spec('numba') is not None
 # What tests need beyond the package itself; a sourced ROS 2 of Ubuntu has none of it. The made-up
@@ -46,15 +52,64 @@ LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
 collect_ignore = list(LACKING)
 MARKERS = {
+    'long': 'stands in long.txt; ./dev test leaves it out, ./dev test --all runs it',
     'slow': 'takes long without numba; left out with the oldest versions',
     'needs_numba': 'tests the compiled path; skipped where numba is not installed',
 }
+# Tests and files that take long, one a line, as --write-long found them.
+LONG = Path(__file__).with_name('long.txt')
+# Tests whose nodes run as processes. They begin first and run one after the other, beside others.
+WITH_NODES = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_tutorial.py')
+
+
+def pytest_addoption(parser):
+    """Declare what measures the tests."""
+    parser.addoption('--write-long', type=float, metavar='SECONDS',
+                     help='write the tests that take longer into test/long.txt')
 
 
 def pytest_configure(config):
     """Declare the markers."""
     for name, meaning in MARKERS.items():
         config.addinivalue_line('markers', f'{name}: {meaning}')
+    limit = config.getoption('--write-long')
+    if limit is not None and not hasattr(config, 'workerinput'):
+        config.pluginmanager.register(Stopwatch(limit))
+
+
+class Stopwatch:
+    """Notes tests that take longer than a limit (s), and files whose fixtures do."""
+
+    def __init__(self, limit: float):
+        self.limit, self.found = limit, set()
+
+    def pytest_runtest_logreport(self, report):
+        """Note one test."""
+        if report.duration > self.limit:
+            path = report.nodeid.partition('::')[0]
+            self.found.add(report.nodeid if report.when == 'call' else path)
+
+    def pytest_sessionfinish(self):
+        """Write them."""
+        LONG.write_text(''.join(f'{name}\n' for name in sorted(self.found)), encoding='utf-8')
+
+
+def with_nodes(nodeid: str) -> bool:
+    """Say whether a test starts nodes as processes."""
+    return nodeid.removeprefix('test/').startswith(WITH_NODES)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give each process whole files, for tests of a file share what they have made."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return 'nodes' if with_nodes(nodeid) else nodeid.partition('::')[0]
+
+    config.option.loadscopereorder = False
+    return ByFile(config, log)
 
 
 def pytest_report_header():
@@ -64,8 +119,11 @@ def pytest_report_header():
 
 
 def pytest_collection_modifyitems(items):
-    """Skip what this environment lacks."""
-    if not HAS_NUMBA:
-        for item in items:
-            if item.get_closest_marker('needs_numba'):
-                item.add_marker(pytest.mark.skip(reason='numba is not installed'))
+    """Sort, mark what takes long, and skip what this environment lacks."""
+    items.sort(key=lambda item: not with_nodes(item.nodeid))
+    long = set(LONG.read_text(encoding='utf-8').splitlines())
+    for item in items:
+        if not long.isdisjoint((item.nodeid, item.nodeid.partition('::')[0])):
+            item.add_marker(pytest.mark.long)
+        if not HAS_NUMBA and item.get_closest_marker('needs_numba'):
+            item.add_marker(pytest.mark.skip(reason='numba is not installed'))

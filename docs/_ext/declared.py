@@ -20,6 +20,7 @@ from hst_drive.effects import catalogue, READABLE, SLOTS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
+from hst_drive.model.circuits import circuits
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
 from hst_drive.units import for_people, UNITS
 from sphinx.util import logging
@@ -198,6 +199,20 @@ def of_balances():
          _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES))
 
 
+def of_circuits():
+    """Every circuit but the open one: sections of its rig file, and its balances."""
+    lines = []
+    for circuit in circuits().values():
+        lines += [f'### {circuit.id}',
+                  f'{circuit.title[0].upper()}{circuit.title[1:]}. The rig file has '
+                  f'{_either(circuit.sections, ", ")}.', table(
+                      ('balance', 'predicts', 'from', 'what is missing enters'),
+                      ((entry.name, f'`{entry.signal}`', ' and '.join(
+                          _either(need.split('|')) for need in entry.needs),
+                        entry.enters.replace('_', ' ')) for entry in circuit.balances))]
+    return '\n\n'.join(lines)
+
+
 def _either(names, between=' or '):
     return between.join(f'`{name}`' for name in names)
 
@@ -224,4 +239,5 @@ def of_file(name):
 
 PARTS = {'verbs': of_verbs, 'effects': of_effects, 'slots': of_slots, 'rig': of_rig,
          'channels': of_channels, 'balances': of_balances, 'units': of_units,
+         'circuits': of_circuits,
          'picture': of_picture, 'file': of_file}

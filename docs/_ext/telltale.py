@@ -15,6 +15,7 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model import Drive
+from hst_drive.model.compose import kernel
 from hst_drive.rig import default_rig
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
@@ -32,7 +33,9 @@ _OVER = {'pressure': 'pump_outlet_pressure', 'pump_pressure': 'pump_outlet_press
 
 
 def figure(effect):
-    """Return the picture of an effect for a page, in HTML."""
+    """Return the picture of an effect for a page, in HTML; none of one of another circuit."""
+    if effect.id not in kernel().usable:
+        return ''
     told = (f'The same commands with {effect.id} at its typical size and without it: the signal '
             'that moves most, and the difference')
     return (f'<figure class="telltale"><img src="{FOLDER}/{effect.id}.png" alt="{escape(told)}" '

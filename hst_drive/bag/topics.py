@@ -201,7 +201,8 @@ _WORDS = {'emergency_stop': 'true stops the drive; stays until a reset',
           'sync': 'nodes of a run find each other and keep step',
           'verdict': '`name`: effects that could be missing, the likeliest first; `unknown`: none '
                      'of the catalogue; empty: no balance fails. Of each `position`: size (SI), '
-                     '`velocity`: share that it explains (0 to 1), `effort`: failing for s',
+                     '`velocity`: share that it explains (0 to 1), `effort`: failing for s. Then '
+                     '`EFFECT.rate`: growth a second (SI) and the ends of its 95 % interval',
           '/diagnostics': 'whether the figures are valid; which balance fails and what it lacks'}
 WITH_READING: dict[str, str] = {
     'external_leakage_resistance': 'case_drain_flow',

@@ -1,18 +1,18 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The verb ``fleet``: the same diagnosis for many campaigns.
+The verb ``fleet``: many machines over their lives.
 
 A campaign is a folder with logs; the folder above it is the machine. rig.yaml and channels.yaml
 count beside the logs or in a folder above; logs with 'holdout' in their names are judged on; the
-date is that in the folder's or a log's name, or when a bag began. What is done is kept in
---results, one JSON file per campaign: the same command goes on where it was interrupted. A
-campaign that cannot be diagnosed is a row with its reason.
+date is that in the folder's or a log's name, or when a bag began. The first --healthy days of a
+machine tell what it is like (its own file is kept in RESULTS/units), unless its rig.yaml is one
+of commission already. What is done is kept in --results: the same command goes on where it was
+interrupted. A campaign that cannot be diagnosed is a row with its reason.
 """
 from __future__ import annotations
 
 import argparse
-from functools import partial
 from pathlib import Path
 import sys
 import time
@@ -24,10 +24,11 @@ from hst_drive.errors import InputError
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
+    from hst_drive.fleet.limits import Limits
     from hst_drive.fleet.run import Progress
     from hst_drive.fleet.summary import Summary
 
-HELP = 'diagnose many campaigns on all cores or a cluster: who lacks what, and what grows'
+HELP = 'follow many machines: what each lacks, what grows, since when and until when'
 _SHOWN = 40     # rows on the terminal
 
 
@@ -38,6 +39,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--results', metavar='FOLDER', default='fleet_results',
                         help='where the answers are kept (default: fleet_results)')
     parser.add_argument('-o', '--output', metavar='PAGE.html', help='also write a page')
+    parser.add_argument('--limit', metavar='EFFECT=SIZE', action='append', default=[],
+                        help="tell when it is reached, as 'motor_leakage=0.02 L/min/bar'; "
+                             'repeatable (default: no limit)')
+    parser.add_argument('--limits', metavar='FILE.yaml',
+                        help="the same in a file, a line each: 'motor_leakage: 0.02 L/min/bar'")
+    parser.add_argument('--healthy', metavar='DAYS', type=int, default=2,
+                        help='first days of a machine that are taken as healthy (default: 2); 0: '
+                             'judge all by the make')
     parser.add_argument('--workers', metavar='N', type=int, default=0,
                         help='processes on this machine (default: one per core)')
     parser.add_argument('--scheduler', metavar='tcp://HOST:PORT', default='',
@@ -47,16 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Diagnose all campaigns and print the table."""
+    """Follow all machines and print the table."""
     from hst_drive.diagnose.document import as_json
     from hst_drive.fleet.campaigns import find_campaigns
-    from hst_drive.fleet.run import run_fleet
+    from hst_drive.fleet.document import as_json as fleet_json
+    from hst_drive.fleet.life import live
     from hst_drive.fleet.store import Store
     from hst_drive.fleet.summary import summarise
-    from hst_drive.fleet.task import diagnose_campaign
 
-    if args.workers < 0:
-        raise InputError(f'--workers {args.workers}: expected a positive number, or 0 for all')
+    for name in ('workers', 'healthy'):
+        if getattr(args, name) < 0:
+            raise InputError(f'--{name} {getattr(args, name)}: expected a positive number, or 0')
+    limits = _limits(args)
     if args.output:
         from hst_drive.fleet.page import fleet_page
 
@@ -64,24 +75,32 @@ def run(args: argparse.Namespace) -> int:
     campaigns = find_campaigns(args.place)
     began = time.monotonic()
     try:
-        rows = run_fleet(campaigns, Store(Path(args.results)),
-                         partial(diagnose_campaign, describe=as_json),
-                         workers=args.workers, scheduler=args.scheduler, again=args.again,
-                         progress=_progress(began))
+        lives = live(campaigns, Store(Path(args.results)), as_json, healthy=args.healthy,
+                     limited={name for name, _ in limits}, workers=args.workers,
+                     scheduler=args.scheduler, again=args.again,
+                     progress=_progress(began))
     except KeyboardInterrupt:
         say(f'what is done is kept in {args.results}; the same command goes on from there')
         raise
-    summary = summarise(rows)
+    summary = summarise(lives, limits)
     if args.json:
-        write_json({'schema': 'hst_drive/fleet/1', 'rows': rows, **_json(summary)}, args.json)
+        write_json(fleet_json(lives, summary), args.json)
     if args.output:
-        write_text(fleet_page(f'Fleet: {args.place}', sentence(rows, summary), rows, summary,
-                              [f'{len(rows)} campaigns', f'{len(summary.machines)} machines']),
+        write_text(fleet_page(Path(args.place).resolve().stem, lives.rows, summary),
                    args.output)
         say(f'wrote {args.output}')
     if args.json != '-':
-        print(text(rows, summary))
+        print(text(summary))
     return 0
+
+
+def _limits(args: argparse.Namespace) -> Limits:
+    from hst_drive.fleet.limits import read_limit, read_limits
+    from hst_drive.rig.yaml_file import read_yaml
+
+    limits = read_limits(read_yaml(args.limits), args.limits) if args.limits else {}
+    limits.update(read_limit(entry) for entry in args.limit)
+    return limits
 
 
 def _progress(began: float):
@@ -91,12 +110,13 @@ def _progress(began: float):
         row = progress.row
         if row is None:
             if progress.done:
-                say(f'{progress.done} of {progress.total} campaigns are done already')
+                say(f'{progress.done} of {progress.total} {progress.what} are done already')
             return
         if row['status'] == 'failed':
             say(f'{row["campaign"]}: failed: {row["reason"]}')
         if tty or progress.done == progress.total or progress.done % 50 == 0:
-            line = f'{progress.done} of {progress.total}, {time.monotonic() - began:.0f} s'
+            line = (f'{progress.done} of {progress.total} {progress.what}, '
+                    f'{time.monotonic() - began:.0f} s')
             print(f'\r{line}' if tty and progress.done < progress.total else line,
                   end='' if tty and progress.done < progress.total else '\n', file=sys.stderr,
                   flush=True)
@@ -104,36 +124,19 @@ def _progress(began: float):
     return tell
 
 
-def sentence(rows: list[dict], summary: Summary) -> str:
-    """Say the most important of it."""
-    lacking = [machine for machine in summary.machines if machine.effects]
-    grow = [trend for trend in summary.trends if trend.direction == 'grows']
-    parts = [f'{len(lacking)} of {len(summary.machines)} machines lack an effect']
-    if grow:
-        parts.append('it grows on ' + ', '.join(f'{trend.machine} ({trend.effect})'
-                                                for trend in grow[:5])
-                     + (f' and {len(grow) - 5} more' if len(grow) > 5 else ''))
-    if summary.outliers:
-        parts.append(f'{len(summary.outliers)} campaigns are unlike the others')
-    if summary.failures:
-        parts.append(f'{len(summary.failures)} of {len(rows)} campaigns failed')
-    return '; '.join(parts) + '.'
-
-
-def text(rows: list[dict], summary: Summary) -> str:
+def text(summary: Summary) -> str:
     """Return the fleet for a terminal."""
-    lines = [sentence(rows, summary), '', table(
-        ['machine', 'campaigns', 'failed', 'verdicts', 'lacks'],
-        [[machine.name, machine.campaigns, machine.failed, _counts(machine.verdicts),
+    from hst_drive.fleet.words import of_machine, sentence
+
+    lines = [sentence(summary), '', table(
+        ['machine', 'state', 'campaigns', 'failed', 'last', 'found'],
+        [[machine.name, machine.state, machine.campaigns, machine.failed, machine.last,
           _counts(machine.effects)] for machine in summary.machines[:_SHOWN]])]
+    for machine in summary.machines[:_SHOWN]:
+        if machine.followed:
+            lines += ['', f'{machine.name}:', *(f'  {told}' for told in of_machine(machine))]
     if len(summary.machines) > _SHOWN:
         lines.append(f'and {len(summary.machines) - _SHOWN} machines more: see --json or -o')
-    moving = [trend for trend in summary.trends if trend.direction != 'steady']
-    if moving:
-        lines += ['', 'over time:', table(
-            ['machine', 'effect', '', 'a year', '95 % interval', 'unit', 'campaigns'],
-            [[trend.machine, f'{trend.effect}.{trend.parameter}', trend.direction,
-              *_interval(trend), len(trend.points)] for trend in moving[:_SHOWN]])]
     if summary.outliers:
         lines += ['', 'unlike the others:', table(
             ['campaign', 'effect', 'size', 'median', 'unit', 'robust z'],
@@ -153,19 +156,3 @@ def text(rows: list[dict], summary: Summary) -> str:
 def _counts(found: dict[str, int]) -> str:
     return ', '.join(f'{name} {count}' for name, count in sorted(
         found.items(), key=lambda item: -item[1]))
-
-
-def _interval(trend) -> tuple[float, str, str]:
-    (slope, unit), (low, _), (high, _) = (for_people(value, trend.unit)
-                                          for value in (trend.slope, trend.low, trend.high))
-    return slope, f'{low:.3g} to {high:.3g}', unit
-
-
-def _json(summary: Summary) -> dict:
-    return {
-        'machines': [machine._asdict() for machine in summary.machines],
-        'trends': [{**trend._asdict(), 'points': [point._asdict() for point in trend.points]}
-                   for trend in summary.trends],
-        'outliers': [{'median': entry.median, 'z': entry.z, **entry.point._asdict()}
-                     for entry in summary.outliers],
-        'failures': [{'campaign': name, 'reason': reason} for name, reason in summary.failures]}

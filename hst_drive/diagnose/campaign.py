@@ -80,7 +80,7 @@ class Campaign:
 
     """
 
-    block = BLOCK
+    block, finest = BLOCK, FINEST
     events = EVENTS
     searched: tuple[str, ...] = ('always',)
     advice = ''     # what to record next; empty: a test can be designed
@@ -90,7 +90,7 @@ class Campaign:
         self.adopted = rig.effects
         self.drive = self._model()
         self.tolerances, self.ties = prior(rig, (*runs, *holdout))
-        self.replays = [self._replay(run.slower(FINEST)) for run in (*runs, *holdout)]
+        self.replays = [self._replay(run.slower(self.finest)) for run in (*runs, *holdout)]
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive
         self.floors = self._floors()

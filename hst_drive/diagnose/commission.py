@@ -45,6 +45,11 @@ _TESTS = {
     'loading.pump_mechanical_efficiency': 'low and high load, with the torque measured',
     'loading.pprv_pressure': 'several PPRV commands, with the torque measured',
     'loading.pprv_lag': 'steps of the PPRV command, with the torque measured',
+    'charge.relief_pressure': 'both line pressures, or the charge pressure',
+    'charge.pump_displacement': 'the charge pressure at low and high load',
+    'gear.efficiency': 'low and high load, with the torque measured',
+    'valve.rated_flow': 'several valve commands, with the speed measured',
+    'valve.lag': 'steps of the valve command, at 100 Hz or more',
     'loading.pprv_override': 'several speeds at one PPRV command, with the torque measured',
 }
 

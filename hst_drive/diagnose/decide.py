@@ -27,7 +27,7 @@ from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.strangers import beside, strangers
-from hst_drive.diagnose.weigh import weigh
+from hst_drive.diagnose.weigh import after_tests, nearly_certain
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
@@ -79,7 +79,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    best = standing(search, plainer(search, pair_instead(search, search.run())))
+    tested = standing(search, plainer(search, pair_instead(search, search.run())))
+    best = certain = nearly_certain(search, tested)
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
@@ -107,8 +108,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         best = standing(search, search.refine(instead[0]))
         instead = instead if best.names else []
     order = _order(search, best)
-    rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)} \
-        if instead else {name: alternatives(search, best, name) for name in order}
+    if instead:
+        rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)}
+    else:
+        sure = best is certain is not tested
+        rivals = {name: () if sure else alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
@@ -143,7 +147,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
-        calibration=moved, probability=weigh(search, best, rivals, verdict),
+        calibration=moved, probability=after_tests(search, best, rivals, verdict),
         unknown=remaining,
         next_test=_measure(search, best, limited) if instead else
         _next_test(search, best, rivals) if ambiguous else None,

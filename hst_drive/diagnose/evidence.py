@@ -3,51 +3,69 @@
 """
 How probable each explanation of the same recordings is.
 
-Squared errors over their floors are weighed block by block with as many independent samples as
-their own correlation time leaves. The scale of each block is known no better than a few samples
-tell (a Student-t over the block): single events and ringing weigh little. What an effect does is
-off its formula by a share that is integrated out (M. Kennedy, A. O'Hagan, JRSS B 63, 2001), the
-parameters by Laplace's method (R. Kass, A. Raftery, JASA 90, 1995). 'Unknown' is a smooth function
-of one variable that takes away what is left, at the price of its freedom.
+Errors are means over a tenth of a second, over the floor, in pieces without a gap. Three things
+make them: sensors (white), what the noise of the recorded inputs does to the replay (coloured,
+with its own time), and formulas that no machine follows exactly: a smooth discrepancy whose size
+is not known (M. Kennedy, A. O'Hagan, Bayesian calibration of computer models, JRSS B 63, 2001).
+The discrepancy of a listed set is a share of what its effects do. Something that is not listed is
+the same with a discrepancy of any size: it explains all, at the price of its freedom. The scale
+of a piece is known no better than a few samples tell (a Student-t over the piece), so that single
+events weigh little. Parameters are integrated out by Laplace's method (R. Kass, A. Raftery, Bayes
+factors, JASA 90, 1995). The signals of a replay see the same error, so that together they count
+as one.
 """
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Collection, Mapping, NamedTuple, Sequence
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
 from scipy.special import logsumexp
+from scipy.stats import halfnorm
 
-_TAIL = 5.0         # independent samples by which the scale of one block is known
-_SHARES = (0.0, 0.03, 0.1, 0.2)     # of what effects do, by which a formula may be off
-_FORM = 4           # numbers that another formula of an effect differs by
-_FREEDOM = 12       # bins over which a smooth unknown is free, as those that describe it
-_EVENTS = 0.07      # share of the blocks that single events may spoil (``campaign``)
+BIN = 0.1           # s; errors are means over it
+PIECE = 6.0         # s; three times what follows
+_SMOOTH = 2.0       # s, over which a discrepancy is alike: it goes with the operating point
+_TAIL = 30.0        # samples by which the scale of a piece is known
+_BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
+_SHARE = 0.1        # of what effects do, by which formulas are off machines
 _UNLISTED = 0.1     # prior odds of something unlisted against one listed effect or none
-_CORRELATED = 0.05  # an autocorrelation below this is noise of its estimate
-# Power of the evidence: blocks are alike from one to the next (correlation 0.4 to 0.8) and signals
-# see the same error. Chosen on four frozen campaigns; not calibrated (bench/README.md).
-_SHARPNESS = 0.1
-# Odds that the tests over held-out blocks are right: of seven frozen campaigns six were
-# (bench/README.md), rounded down.
+# Odds that the tests over held-out blocks are right.
 _DECIDED = 5.0
+# Sizes that a discrepancy may have, in floors.
+_SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
+
+
+class Sensor(NamedTuple):
+    """
+    How errors of one signal scatter under a perfect model, over the squared floor.
+
+    ``white`` is the variance of a mean over ``BIN`` that the sensor makes, ``coloured`` that of
+    what the inputs make of the replay, alike for ``memory`` s.
+    """
+
+    white: float
+    coloured: float
+    memory: float
 
 
 class Signal(NamedTuple):
     """
-    One signal of an explanation, block by block of all logs.
+    One signal of an explanation.
 
-    ``squares`` are mean squared errors and ``moved`` mean squares of what the effects do, over the
-    squared floor; ``clean`` is the square up to which nothing is left to explain.
+    ``pieces`` are errors over the floor, means over ``BIN``, a row for each piece; those of one
+    length make one array. ``moved`` is what the effects do to the signal, root mean square over
+    the floor.
     """
 
-    squares: np.ndarray
-    moved: np.ndarray
-    clean: float
+    pieces: tuple[np.ndarray, ...]
+    moved: float
 
 
 class Explanation(NamedTuple):
     """
-    A fitted set of effects.
+    A fitted set of effects, or (not ``listed``) that and something else, or that in its place.
 
     ``penalty`` is the logarithm of the priors' density at the fit times the volume of its
     posterior (``laplace``).
@@ -56,6 +74,7 @@ class Explanation(NamedTuple):
     effects: tuple[str, ...]
     signals: Mapping[str, Signal]
     penalty: float
+    listed: bool = True
 
 
 class Probability(NamedTuple):
@@ -79,43 +98,43 @@ class Probability(NamedTuple):
         return dict(sorted(total.items(), key=lambda item: -item[1]))
 
 
-def independent(errors: np.ndarray, most: float) -> float:
+def covariance(sensor: Sensor, count: int) -> np.ndarray:
+    """Return the covariance of so many means over ``BIN`` in a row, under a perfect model."""
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    short = BIN / sensor.memory
+    # Means of an Ornstein-Uhlenbeck process: its correlation integrated over both.
+    gone = -np.expm1(-short) / short
+    alike = np.where(apart == 0, 2.0 * (1.0 - gone) / short,
+                     gone**2 * np.exp(-short * np.maximum(apart - 1, 0)))
+    return np.asarray(sensor.white * np.eye(count) + sensor.coloured * alike)
+
+
+def likelihoods(pieces: Sequence[np.ndarray], sensor: Sensor) -> np.ndarray:
     """
-    Return how many independent samples errors of one signal are worth.
+    Return the log likelihood of a signal for each size that a discrepancy may have (``_SIZES``).
 
-    Parameters
-    ----------
-    errors : ndarray, shape (n,)
-        Evenly sampled.
-    most : float
-        Not more than these.
-
+    A multivariate Student-t over each piece, up to a number that all explanations share.
     """
-    count = len(errors)
-    if count < 3 or not np.ptp(errors):
-        return min(float(count), most)
-    # A single peak would hide how the rest goes on.
-    clipped = np.clip(errors, *np.percentile(errors, (0.5, 99.5)))
-    spectrum = np.fft.rfft(clipped - clipped.mean(), 2 * count)
-    lagged = np.fft.irfft(np.abs(spectrum)**2)[:count // 2]
-    if lagged[0] <= 0.0:
-        return min(float(count), most)
-    lagged /= lagged[0]
-    below = np.flatnonzero(lagged < _CORRELATED)
-    memory = 1.0 + 2.0 * float(lagged[1:below[0] if len(below) else len(lagged)].sum())
-    return min(count / memory, most)
+    total = np.zeros(len(_SIZES))
+    for errors in pieces:
+        count, length = errors.shape
+        power, whiten, volume = _modes(sensor, length)
+        grown = 1.0 + _SIZES[:, None]**2 * power
+        squares = (errors @ whiten.T)**2 @ (1.0 / grown).T
+        total -= 0.5 * ((_TAIL + length) * np.log1p(squares / _TAIL).sum(axis=0)
+                        + count * (np.log(grown).sum(axis=1) + volume))
+    return total
 
 
-def likelihood(signal: Signal, samples: float, share: float = 0.0) -> float:
-    """
-    Return the log likelihood of a signal, up to a number that all explanations share.
-
-    ``samples`` are the independent ones of a block, ``share`` is that of what the effects do by
-    which their formulas may be off: so much error is taken as theirs, as far as something is left
-    beyond the floor.
-    """
-    left = np.maximum(signal.squares - share**2 * signal.moved, np.minimum(signal.squares, 1.0))
-    return -0.5 * (samples + _TAIL) * float(np.log1p(samples * left / _TAIL).sum())
+@lru_cache(maxsize=256)
+def _modes(sensor: Sensor, count: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return a discrepancy's power in independent modes of the noise, these, and its volume."""
+    root = cholesky(covariance(sensor, count), lower=True)
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    smooth = solve_triangular(root, np.exp(-BIN / _SMOOTH * apart), lower=True)
+    power, modes = np.linalg.eigh(solve_triangular(root, smooth.T, lower=True))
+    whiten = solve_triangular(root, modes, lower=True, trans='T').T
+    return np.maximum(power, 0.0), whiten, 2.0 * float(np.log(np.diag(root)).sum())
 
 
 def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
@@ -143,8 +162,8 @@ def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
     return float(-0.5 * root - 0.5 * np.sum(mode[normal]**2))
 
 
-def probability(explanations: Sequence[Explanation], samples: Mapping[str, float],
-                candidates: int, sharpness: float = _SHARPNESS) -> Probability:
+def probability(explanations: Sequence[Explanation], sensors: Mapping[str, Sensor],
+                candidates: int) -> Probability:
     """
     Return how probable explanations are.
 
@@ -152,24 +171,51 @@ def probability(explanations: Sequence[Explanation], samples: Mapping[str, float
     ----------
     explanations : sequence of Explanation
         The empty set among them.
-    samples : mapping of str to float
-        Independent samples of a block, by signal.
+    sensors : mapping of str to Sensor
+        How each signal scatters.
     candidates : int
         Effects that were searched for: each is as probable before.
-    sharpness : float
-        Power of the evidence.
 
     """
-    before = np.array([-len(entry.effects) * np.log(max(candidates, 1)) for entry in explanations])
-    own = before + sharpness * np.array([_evidence(entry, samples) for entry in explanations])
-    smooth = before + sharpness * np.array([_smoothed(entry, samples) for entry in explanations])
+    listed, unlisted = np.array([_evidence(entry, sensors, candidates)
+                                 for entry in explanations]).T
     # Whatever listed effects stand beside it, it is one hypothesis.
-    unknown = float(smooth.max()) + np.log(_UNLISTED)
-    shares = np.exp(np.array([*own, unknown]) - logsumexp([*own, unknown]))
+    unknown = float(logsumexp(unlisted)) + np.log(_UNLISTED)
+    shares = np.exp(np.array([*listed, unknown]) - logsumexp([*listed, unknown]))
     found = sorted(zip((entry.effects for entry in explanations), map(float, shares)),
                    key=lambda item: -item[1])
-    return Probability(sum(share for names, share in found if not names), float(shares[-1]),
-                       tuple(entry for entry in found if entry[0]))
+    return Probability(
+        sum(share for names, share in found if not names), float(shares[-1]),
+        tuple((names, share) for names, share in found if names and share > 0.0))
+
+
+def _evidence(entry: Explanation, sensors: Mapping[str, Sensor],
+              candidates: int) -> tuple[float, float]:
+    """Return the evidence of a set alone, and with something unlisted beside it."""
+    alone = beside = 0.0
+    for name, signal in entry.signals.items():
+        likely = likelihoods(signal.pieces, sensors[name])
+        formula = likely + _as_share(float(np.hypot(_BASELINE, _SHARE * signal.moved)))
+        alone += float(logsumexp(formula))
+        # Each signal shows it or does not.
+        beside += float(logsumexp([*formula, *(likely + _of_any_size())])) - float(np.log(2.0))
+    # What is not listed and was fitted is one more of as many.
+    count = len(entry.effects) + (not entry.listed)
+    before = entry.penalty - count * float(np.log(max(candidates, 1)))
+    alone, beside = (before + value / len(entry.signals) for value in (alone, beside))
+    return (alone, beside) if entry.listed else (-np.inf, alone)
+
+
+def _as_share(scale: float) -> np.ndarray:
+    """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
+    edges = [0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf]
+    return np.asarray(np.log(np.diff(halfnorm.cdf(edges, scale=scale)) + 1e-300))
+
+
+def _of_any_size() -> np.ndarray:
+    """Return the same of what is not listed: each order of magnitude from what curves are off."""
+    possible = _SIZES >= _BASELINE
+    return np.where(possible, -np.log(possible.sum()), -np.inf)
 
 
 def decided(found: Probability, verdict: str,
@@ -193,35 +239,3 @@ def decided(found: Probability, verdict: str,
                    for (names, value), own in zip(found.sets, held)), key=lambda item: -item[1])
     return Probability(found.none * (yes if none else no),
                        found.unknown * (yes if unknown else no), tuple(sets))
-
-
-def _evidence(entry: Explanation, samples: Mapping[str, float]) -> float:
-    return float(logsumexp([
-        sum(likelihood(signal, samples[name], share) for name, signal in entry.signals.items())
-        - price(_FORM, share**2 * sum(samples[name] * signal.moved.sum()
-                                      for name, signal in entry.signals.items()))
-        for share in _SHARES]) - np.log(len(_SHARES))) + entry.penalty
-
-
-def _smoothed(entry: Explanation, samples: Mapping[str, float]) -> float:
-    """Return the evidence with something smooth and unlisted that takes away what is left."""
-    quiet = {}
-    # It moves a floor at least: what does nothing is no explanation.
-    power = sum(samples[name] * len(signal.squares) for name, signal in entry.signals.items())
-    for name, signal in entry.signals.items():
-        # Of all blocks but the worst: single events are no smooth function.
-        square = float(np.sort(signal.squares)[:max(round((1 - _EVENTS) * len(signal.squares)),
-                                                    1)].mean())
-        rest = signal.clean / max(square, signal.clean)
-        quiet[name] = signal._replace(squares=rest * signal.squares)
-        power += samples[name] * float((signal.squares - quiet[name].squares).sum())
-    return _evidence(entry._replace(signals=quiet), samples) - price(_FREEDOM, power)
-
-
-def price(freedom: int, power: float) -> float:
-    """
-    Return what a smooth function costs that is free in so many bins.
-
-    ``power`` is the squared size that it may have, over that of the noise; all bins alike.
-    """
-    return 0.5 * freedom * float(np.log1p(power / freedom))

@@ -20,7 +20,7 @@ from scipy.stats import norm
 
 # Of the squared tolerance: a datasheet's tables say nothing of what lies between their points.
 _BETWEEN_POINTS = 1.0
-_FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
+FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
 
 
 class Spread(NamedTuple):
@@ -64,7 +64,7 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
         own = np.array([effect == name for effect, _ in unknowns.names]) * (vector - before)
-        covariance += max(_FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
+        covariance += max(FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
     # An effect's number that moves nothing is not known at all: ten times its range.
     still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2

@@ -18,11 +18,14 @@ from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 import numpy as np
 
 _BLOCKS = 60            # a record is cut into so many at least
 _LONGEST = 0.5          # s; nothing is simulated, so errors have no long memory
 _ROWS = 3.0             # operating points in a block of a table
+_CIRCUIT_FINEST = 0.01  # s: every row is evaluated, and faster ones tell no more
+_FLOW = 3.3e-4          # m^3/s: usual at the drill drive
 _TORQUE = 150.0         # N.m: usual at the drill drive, for which the catalogue has its bounds
 
 
@@ -50,6 +53,8 @@ class PartCampaign(Campaign):
               'temperature than these logs have tells them apart')
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        if rig.circuit != OPEN:
+            self.finest = _CIRCUIT_FINEST
         super().__init__(rig, runs, holdout)
         self._named = bool(holdout)
         self._still = self.errors(Model())
@@ -62,12 +67,15 @@ class PartCampaign(Campaign):
             max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
             for names, reference in (((*TORQUES, 'pump_torque'), _TORQUE),
                                      (('motor_speed',), DRILLING_SPEED)))
+        # Of a part nobody knows which flow is usual: a bench may have any.
+        self._flow = 1.0 if rig.circuit == OPEN else (
+            self._speed * DRILLING_SPEED * self.drive.motor_displacement / _FLOW)
         # Operating points are chosen one by one: there are no events among them.
         self.events = 0.0 if tables else EVENTS
 
     def parameter(self, name: str, key: str) -> Parameter:
         """Return a parameter with bounds that go with the torques and speeds of the logs."""
-        return super().parameter(name, key).sized(self._torque, self._speed)
+        return super().parameter(name, key).sized(self._torque, self._speed, self._flow)
 
     def slow(self, name: str = '') -> bool:
         """Say that nothing is replayed, so that nothing drifts out of step."""

@@ -70,6 +70,8 @@ class Search:
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
+        #: What is not listed and was fitted, each with the campaign that it was fitted in.
+        self.unlisted: list[tuple[Campaign, Fit]] = []
 
     def score(self, fitted: Fit) -> float:
         """Return the held-out squared error plus what the priors ask; lower is better."""

@@ -81,9 +81,9 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
     if isinstance(search.campaign, PartCampaign):
         return found
     for name in best.names:
-        trials = [trial for trial in (*_formula(search, best, name),
-                                      *_actuator(search, best, name))
-                  if beaten(search, best, trial.fit)]
+        tried = [*_formula(search, best, name), *_actuator(search, best, name)]
+        search.unlisted += [(search.campaign, trial.fit) for trial in tried]
+        trials = [trial for trial in tried if beaten(search, best, trial.fit)]
         if not trials:
             continue
         trial = min(trials, key=lambda item: score(search.campaign, item.fit))
@@ -107,6 +107,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
               for trial in [fitted_freer(search.campaign, model, freer)] if trial]
     if not trials:
         return {}
+    search.unlisted += [(search.campaign, trial.fit) for trial in trials]
     trial = min(trials, key=lambda item: score(search.campaign, item.fit))
     gained = sure(search, best, trial.fit)
     # Of what explains as much one cause is a better answer than several.
@@ -129,6 +130,7 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
     if isinstance(search.campaign, PartCampaign):
         return None
     for trial in _beside(search, best, left):
+        search.unlisted.append((search.campaign, trial.fit))
         gained = sure(search, best, trial.fit)
         told = trial.unknown
         # Who says better what is left than its place and a formula do explains it.

@@ -3,95 +3,145 @@
 """What a search has fitted, as explanations that are weighed against each other (``evidence``)."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
-    decided, Explanation, independent, laplace, Probability, probability, Signal)
+    BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal)
 from hst_drive.diagnose.fit import at_its_end, Fit
-from hst_drive.diagnose.judge import CLEAN_RATIO
+from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.diagnose.search import Candidate, Search
+from hst_drive.diagnose.standing import standing
 from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
 
+_CERTAIN = 0.9  # probability from which evidence alone names what leaves nothing
+_QUICK = 0.03   # s: with the right model pressure, flow and speed are alike for 0.01 to 0.04
+_ROUGH = 0.03   # of the squared floor: white noise that floors do not know
 
-def weigh(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-          verdict: str) -> Probability:
+
+class _Piece(NamedTuple):
+    """Samples of a column (its place), each row those of one mean; ``mean`` takes it."""
+
+    column: int
+    bins: np.ndarray
+
+
+def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
+                verdict: str) -> Probability:
     """
-    Return how probable each set is that a search has fitted.
+    Return how probable each set is, given what the tests over held-out blocks decided as well.
 
-    Parameters
-    ----------
-    search : Search
-        What was tried; a set with an effect at the end of its range is no explanation.
-    best : Candidate
-        The set that was found.
-    rivals : mapping of str to sequence of str
-        What could stand in the place of each of its effects.
-    verdict : str
-        What was decided.
-
+    ``rivals`` are what could stand in the place of each effect of the set that was found.
     """
-    campaign = search.campaign
-    tried = [entry for entry in search.tried() if entry.names == best.names or not any(
-        at_its_end(campaign, entry.fit.model, name) for name in entry.names)]
-    lead = best if best.names else min((entry for entry in tried if entry.names),
-                                       key=lambda entry: entry.score, default=best)
-    most = _counted(campaign)
-    worth = _independent(campaign, search.base, lead.fit, most)
-    share = sum(worth.values()) / sum(most.values())
-    found = [Explanation(entry.names, _signals(campaign, search.base, entry.fit),
-                         _penalty(campaign, entry.fit, share)) for entry in tried]
-    samples = {name: worth[name] / max(len(signal.squares), 1)
-               for name, signal in found[0].signals.items()}
     named = [best.names, *(
         tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
         for name, group in rivals.items() for rival in group)]
-    return decided(probability(found, samples, len(search.candidates)), verdict, named)
+    return decided(weigh(search, best), verdict, named)
 
 
-def _blocks(campaign: Campaign, errors: Sequence[np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the mean squared errors of all blocks, fitted and judged, by signal."""
-    parts = [campaign.blocks(errors, held_out) for held_out in (False, True)]
-    found = {name: np.concatenate([part[name] for part in parts]) for name in campaign.signals}
-    return {name: values[np.isfinite(values)] for name, values in found.items()}
+def weigh(search: Search, best: Candidate) -> Probability:
+    """Return how probable each set is that a search has fitted, ``best`` among them."""
+    campaign = search.campaign
+    tried = [entry for entry in search.tried() if entry.names == best.names or not any(
+        at_its_end(campaign, entry.fit.model, name) for name in entry.names)]
+    pieces = list(_pieces(campaign))
+    base = _means(campaign, search.base.errors)
+    found = [Explanation(names, _signals(campaign, pieces, base, fitted),
+                         _penalty(own, fitted), listed)
+             for names, own, fitted, listed in (
+                 *((entry.names, campaign, entry.fit, True) for entry in tried),
+                 *((_listed(search, fitted), own, fitted, False)
+                   for own, fitted in search.unlisted))]
+    return probability(found, _sensors(campaign), len(search.candidates))
 
 
-def _signals(campaign: Campaign, base: Fit, fitted: Fit) -> dict[str, Signal]:
-    moved = _blocks(campaign, [one - other for one, other in zip(fitted.errors, base.errors)])
-    return {name: Signal(squares, moved[name], CLEAN_RATIO**2 + campaign.scatter(name))
-            for name, squares in _blocks(campaign, fitted.errors).items()}
+def nearly_certain(search: Search, best: Candidate) -> Candidate:
+    """
+    Return the set that is nearly certain and leaves nothing, or what the tests found.
+
+    What shows in a single event of a short log no test over blocks can be sure of.
+    """
+    if not search.unexplained(best):
+        return best
+    names, share = max(weigh(search, best).sets, key=lambda item: item[1], default=((), 0.0))
+    if share < _CERTAIN or names == best.names:
+        return best
+    entry, = (entry for entry in search.tried() if entry.names == names)
+    likelier = standing(search, search.refine(entry))
+    return likelier if likelier.names == names and not search.unexplained(likelier) else best
 
 
-def _counted(campaign: Campaign) -> dict[str, float]:
-    """Return the samples of each signal, those closer than 0.1 s counted as one."""
-    most = dict.fromkeys(campaign.signals, 0.0)
+def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:
+    """Return the effects of the list in a fit of something that is not listed."""
+    return tuple(sorted({name for name, _ in fitted.names} & {*search.candidates}))
+
+
+def _bins(campaign: Campaign, place: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the samples of a column that count, and the number of the mean each is in."""
+    column = campaign.columns[place]
+    time = campaign.replays[column.log].run.time
+    used = np.sort(np.concatenate([column.fit, column.judge]))
+    return used, ((time[used] - time[0]) / BIN + 1e-6).astype(int)
+
+
+def _means(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return the means of errors over ``BIN``, by column."""
+    found = []
+    for place, (error, column) in enumerate(zip(errors, campaign.columns)):
+        used, number = _bins(campaign, place)
+        count = np.bincount(number)
+        found.append(np.bincount(number, (error * column.trust)[used]) / np.maximum(count, 1))
+    return found
+
+
+def _pieces(campaign: Campaign) -> Iterator[_Piece]:
+    """Yield the stretches without a gap of all columns, none longer than ``PIECE``."""
+    most = round(PIECE / BIN)
+    for place in range(len(campaign.columns)):
+        full = np.unique(_bins(campaign, place)[1])
+        for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):
+            for start in range(0, len(stretch), most):
+                yield _Piece(place, stretch[start:start + most])
+
+
+def _signals(campaign: Campaign, pieces: Sequence[_Piece], base: Sequence[np.ndarray],
+             fitted: Fit) -> dict[str, Signal]:
+    means = _means(campaign, fitted.errors)
+    parts: dict[str, dict[int, list[np.ndarray]]] = {name: {} for name in campaign.signals}
+    moved: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in campaign.signals}
+    for place, bins in pieces:
+        name = campaign.columns[place].signal
+        parts[name].setdefault(len(bins), []).append(means[place][bins])
+        moved[name].append(means[place][bins] - base[place][bins])
+    return {name: Signal(tuple(map(np.array, lengths.values())),
+                         float(np.sqrt(np.mean(np.concatenate(moved[name])**2))))
+            for name, lengths in parts.items() if lengths}
+
+
+def _sensors(campaign: Campaign) -> dict[str, Sensor]:
+    """Return how each signal scatters: as the median of the logs has it."""
+    known: dict[str, list[tuple[float, float, float]]] = {}
+    part = isinstance(campaign, PartCampaign)
     for column in campaign.columns:
-        most[column.signal] += (len(column.fit) + len(column.judge)) * campaign.thinning(
-            column)**2
-    return most
+        replay = campaign.replays[column.log]
+        # The errors of a part were smoothed: there no noise is white.
+        white = 0.0 if part else min((replay.noise[column.signal] * column.scale)**2, 1.0)
+        rows = max(BIN / replay.run.sample_time, 1.0)
+        slow = not part and column.signal == replay.torque and replay.roughness.std > 0.0
+        known.setdefault(column.signal, []).append((
+            # What a slow record does not show of commands and load shakes the replay, too.
+            white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
+            max(replay.roughness.time_constant, _QUICK) if slow else _QUICK))
+    return {name: Sensor(*map(float, np.median(entries, axis=0)))
+            for name, entries in known.items()}
 
 
-def _independent(campaign: Campaign, base: Fit, lead: Fit,
-                 most: Mapping[str, float]) -> dict[str, float]:
-    """
-    Return the independent samples of each signal: as often as what effects do to it changes.
-
-    By its size, since a replay that rings is not the freer for that.
-    """
-    moved: dict[str, list[np.ndarray]] = {name: [] for name in campaign.signals}
-    for one, other, column in zip(lead.errors, base.errors, campaign.columns):
-        used = np.sort(np.concatenate([column.fit, column.judge]))
-        moved[column.signal].append(np.abs((one - other) * column.trust)[used])
-    return {name: independent(np.concatenate(parts), most[name])
-            for name, parts in moved.items()}
-
-
-def _penalty(campaign: Campaign, fitted: Fit, share: float) -> float:
+def _penalty(campaign: Campaign, fitted: Fit) -> float:
     unknowns = Unknowns(campaign, fitted.model)
     known = {name: place for place, name in enumerate(unknowns.names)}
     place = np.array([known[name] for name in fitted.names], dtype=int)
-    jacobian = fitted.jacobian
-    return laplace(share * jacobian.T @ jacobian, place < unknowns.factors,
+    information = fitted.jacobian.T @ fitted.jacobian / len(campaign.signals)
+    return laplace(information, place < unknowns.factors,
                    (unknowns.high - unknowns.low)[place], unknowns.pack(fitted.model)[place])

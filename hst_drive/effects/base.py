@@ -117,8 +117,10 @@ _KNOWN: dict[str, frozenset[str]] = {
 }
 _BUILTINS = frozenset({'abs', 'max', 'min'})
 _GREATEST = 1e12    # SI: no machine has such a torque or speed
-# Powers of a machine's torque and speed in the units whose sizes go with them.
-_POWERS = {'N.m': (1, 0), 'rad/s': (0, 1), 'N.m.s/rad': (1, -1), 'N.m.s^2/rad^2': (1, -2)}
+# Powers of a machine's torque, speed and flow in the units whose sizes go with them.
+_POWERS = {'N.m': (1, 0, 0), 'rad/s': (0, 1, 0), 'N.m.s/rad': (1, -1, 0),
+           'N.m.s^2/rad^2': (1, -2, 0), 'm^3/(s.Pa)': (0, 0, 1), 'Pa.s/m^3': (0, 0, -1),
+           'Pa.s^2/m^6': (0, 0, -2)}
 
 
 def readable(slot: str) -> frozenset[str]:
@@ -153,10 +155,10 @@ class Parameter:
     needs: str = ''
     usual: tuple[float, ...] = ()
 
-    def sized(self, torque: float, speed: float) -> Parameter:
-        """Return it for a machine whose torque and speed are so many times the drill drive's."""
-        of_torque, of_speed = _POWERS.get(self.unit, (0, 0))
-        factor = torque**of_torque * speed**of_speed
+    def sized(self, torque: float, speed: float, flow: float = 1.0) -> Parameter:
+        """Return it for a machine with so many times the drill drive's torque, speed and flow."""
+        of_torque, of_speed, of_flow = _POWERS.get(self.unit, (0, 0, 0))
+        factor = torque**of_torque * speed**of_speed * flow**of_flow
         return replace(self, low=self.low * factor, high=self.high * factor,
                        typical=self.typical * factor,
                        neutral=self.neutral * factor)

@@ -11,12 +11,12 @@ import math
 
 from hst_drive.effects.base import Effect, Parameter
 
+FAR = 20.0      # bands of torque: beyond it nothing of the play is left
+
 
 def twist(pressure, motor_displacement, angle, band):
     """Return how far the hydromotor turns against the shaft per torque, rad/(N.m)."""
-    torque = pressure * motor_displacement / band
-    if torque > 20.0:
-        return 0.0
+    torque = min(abs(pressure) * motor_displacement / band, FAR)
     return 0.5 * angle / (band * math.cosh(torque)**2)
 
 

@@ -169,13 +169,14 @@ def _began(path: Path) -> int:
         return 0
 
 
-def key_of(campaign: Campaign) -> str:
+def key_of(campaign: Campaign, asked: str = '') -> str:
     """
     Return what a result hangs on, as a digest: what the files hold, and this program's version.
 
-    The same logs under another name are the same; a changed rig file is another campaign.
+    The same logs under another name are the same; a changed rig file is another campaign, and so
+    is another question (``asked``).
     """
-    digest = hashlib.sha256(hst_drive.__version__.encode())
+    digest = hashlib.sha256(f'{hst_drive.__version__}{asked}'.encode())
     rig = campaign.rig or str(default_rig_file())
     for role, paths in (('log', campaign.logs), ('holdout', campaign.holdout), ('rig', (rig,)),
                         ('channels', (campaign.channels,) if campaign.channels else ())):

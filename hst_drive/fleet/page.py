@@ -3,122 +3,147 @@
 """The page of a fleet: one file without scripts that opens offline and prints."""
 from __future__ import annotations
 
-from datetime import date
 from typing import Sequence
 
-from hst_drive.fleet.summary import Summary, Trend
+from hst_drive.fleet.picture import picture
+from hst_drive.fleet.summary import (
+    AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
+from hst_drive.fleet.track import OIL
+from hst_drive.fleet.words import amount, day, goes, of_machine, sentence, since, size, until
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
-from hst_drive.units import for_people
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
-_WIDTH, _HEIGHT, _EDGE = 320, 130, 14
-_MOST_FIGURES = 60
+_COLOURS = {REACHED: '#b03a00', AHEAD: '#b03a00', GROWS: '#8a6100', ODD: '#5b3fa0',
+            THERE: '#0072b2', SOUND: '#007a5a', UNTOLD: '#57606a'}
+_STYLE = """
+.state { display: inline-block; border-radius: 1rem; padding: 0 .6rem; font-weight: 600;
+  border: 2px solid; font-size: .85rem; white-space: nowrap; }
+.machine { border-top: 2px solid var(--line); margin-top: 1.6rem; padding-top: .2rem; }
+.machine h3 { font-size: 1.15rem; margin: .8rem 0 .4rem; }
+.machine ul { margin: .3rem 0 .8rem; padding-left: 1.2rem; max-width: 60rem; }
+.machine figure { margin: .6rem 0 1.2rem; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr));
+  gap: 0 1.4rem; }
+.overview td, .overview th { white-space: normal; }
+.overview table { width: 100%; }
+@media (max-width: 50rem) {
+  .overview thead, .overview :is(:nth-child(4), :nth-child(5), :nth-child(7), :nth-child(8)):is(
+    th, td) { display: none; }
+  .overview tbody, .overview tr, .overview :is(th, td) { display: block; border: 0; padding: 0; }
+  .overview tr { border-top: 1px solid var(--line); padding: .4rem 0; }
+  .overview :is(th, td):nth-child(-n+2) { display: inline-block; margin-right: .6rem; }
+}
+"""
 
 
-def fleet_page(title: str, sentence: str, rows: Sequence[dict], summary: Summary,
-               facts: Sequence[str]) -> str:
-    """Return the page as HTML: rows as ``run_fleet`` returns them, and what they say together."""
+def fleet_page(name: str, rows: Sequence[dict], summary: Summary) -> str:
+    """
+    Return the page as HTML.
+
+    Parameters
+    ----------
+    name : str
+        Of the fleet: its folder.
+    rows : sequence of dict
+        Of all campaigns.
+    summary : Summary
+        What they say together.
+
+    """
+    title = f'Fleet {name}' if name else 'Fleet'
+    dates = sorted(row['date'] for row in rows if row['date'])
+    facts = [f'{len(summary.machines)} machines', f'{len(rows)} campaigns',
+             *([f'{dates[0]} to {dates[-1]}'] if dates else [])]
     blocks = [
-        element('header', element('h1', title), element('p', sentence, class_='sentence'),
+        element('header', element('h1', title),
+                element('p', sentence(summary), class_='sentence'),
                 element('p', ' · '.join(facts), class_='facts')),
-        _machines(summary), _trends(summary), _outliers(summary), _rows(rows)]
+        _overview(summary), _machines(summary), _outliers(summary), _rows(rows)]
     links = [element('a', text, href=f'#{identity}') for identity, text in (
-        ('machines', 'Machines'), ('trends', 'Over time'), ('outliers', 'Outliers'),
-        ('campaigns', 'Campaigns'))]
+        ('urgency', 'By urgency'), ('machines', 'Machine by machine'),
+        ('outliers', 'Unlike the others'), ('campaigns', 'All campaigns'))]
     return '\n'.join([
         '<!DOCTYPE html>', '<html lang="en"><head><meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        str(element('title', title)), f'<style>{asset("page.css")}</style></head><body>',
+        str(element('title', title)),
+        f'<style>{asset("page.css")}{_STYLE}</style></head><body>',
         '<a class="skip" href="#main">Skip to the content</a>',
         str(element('nav', join(links), aria_label='Sections')),
         '<main id="main">', *map(str, blocks), '</main></body></html>', ''])
 
 
-def _machines(summary: Summary) -> Markup:
-    effects = sorted({name for machine in summary.machines for name in machine.effects})
-    verdicts = ('none', 'missing_effect', 'ambiguous', 'unknown')
-    rows = [[machine.name, machine.campaigns, machine.failed,
-             *(machine.verdicts.get(name, 0) for name in verdicts),
-             *(machine.effects.get(name, 0) for name in effects)] for machine in summary.machines]
-    return section(
-        'machines', 'Which machine lacks what',
-        note('Campaigns, verdicts, and in how many campaigns each effect was found.'),
-        table(['machine', 'campaigns', 'failed', *verdicts, *effects], rows, 'Machines'))
+def _badge(machine: Machine) -> Markup:
+    return element('span', machine.state, class_='state',
+                   style=f'color: {_COLOURS[machine.state]}')
 
 
-def _trends(summary: Summary) -> Markup:
-    if not summary.trends:
-        return section('trends', 'Over time', note(
-            'No machine shows an effect on four dates or more: no trend can be told.'))
-    order = {'grows': 0, 'falls': 1, 'steady': 2}
-    listed = sorted(summary.trends, key=lambda trend: order[trend.direction])
+def _foremost(machine: Machine) -> Followed | None:
+    """Return what a machine is listed for: the most urgent of what is there."""
+    return next((entry for entry in machine.followed if entry.there and entry.effect != OIL), None)
+
+
+def _overview(summary: Summary) -> Markup:
     rows = []
-    for trend in listed:
-        slope, unit = for_people(trend.slope, trend.unit)
-        low, high = (for_people(value, trend.unit)[0] for value in (trend.low, trend.high))
-        rows.append([trend.machine, f'{trend.effect}.{trend.parameter}', trend.direction, slope,
-                     f'{low:.3g} to {high:.3g}', f'{unit} a year', len(trend.points)])
-    figures = [element('figure', element('figcaption', f'{trend.machine}: {trend.effect} '
-                                         f'{trend.direction}'), _figure(trend),
-                       style='margin: 0 1rem 1rem 0')
-               for trend in listed[:_MOST_FIGURES]]
+    for number, machine in enumerate(summary.machines):
+        entry = _foremost(machine)
+        last = machine.events[-1] if machine.events else None
+        rows.append([
+            element('a', machine.name, href=f'#machine-{number}'), _badge(machine),
+            f'{entry.effect}: {goes(entry)}' if entry else '', size(entry) if entry else '',
+            since(entry).removeprefix('since ') if entry else '', until(entry) if entry else '',
+            f'{last.what} (by {day(last.before)})' if last else '',
+            element('span', machine.last, style='white-space: nowrap')])
     return section(
-        'trends', 'Over time',
-        note('Median slope of all pairs (Theil and Sen) with its 95 % interval; steady: the '
-             'interval holds zero.'),
-        table(['machine', 'effect', '', 'slope', '95 % interval', 'unit', 'campaigns'], rows,
-              'Trends'),
-        element('div', *figures, style='display: flex; flex-wrap: wrap'))
+        'urgency', 'By urgency', element('div', table(
+            ['machine', 'state', 'what', 'now (95 %)', 'grows since', 'limit',
+             'last event', 'last log'], rows,
+            'Machines, the most urgent first'), class_='overview'))
 
 
-def _figure(trend: Trend) -> Markup:
-    """Return a small picture: size with its interval over time, from zero."""
-    shown = [[for_people(value, trend.unit)[0] for value in point[6:9]] for point in trend.points]
-    unit = for_people(trend.points[0].value, trend.unit)[1]
-    days = [date.fromisoformat(point.date).toordinal() for point in trend.points]
-    top = max(max(values) for values in shown)
-    bottom = min(0.0, min(min(values) for values in shown))
-    span = (top - bottom) or 1.0
+def _machines(summary: Summary) -> Markup:
+    return section(
+        'machines', 'Machine by machine',
+        note('A dot is what a date says, with its 95 % interval; also where a diagnosis named '
+             'nothing. The band is what all laws that fit (steady, linear, from some day on, '
+             'accelerating) say together, with 95 %; orange: what comes if it goes on like that. '
+             'Grey: something changed between two dates.'),
+        *(_machine(number, machine) for number, machine in enumerate(summary.machines)))
 
-    def x(day: int) -> str:
-        return f'{_EDGE + (day - days[0]) / (days[-1] - days[0]) * (_WIDTH - 2 * _EDGE):.1f}'
 
-    def y(value: float) -> str:
-        return f'{_HEIGHT - 2 * _EDGE - (value - bottom) / span * (_HEIGHT - 4 * _EDGE):.1f}'
-
-    marks = []
-    for day, (value, low, high) in zip(days, shown):
-        marks += [element('line', x1=x(day), x2=x(day), y1=y(low), y2=y(high), stroke='#57606a'),
-                  element('circle', cx=x(day), cy=y(value), r=3, fill='#0072b2')]
-    texts = [
-        element('text', trend.points[0].date, x=_EDGE, y=_HEIGHT - 4, font_size=11),
-        element('text', trend.points[-1].date, x=_WIDTH - _EDGE, y=_HEIGHT - 4, font_size=11,
-                text_anchor='end'),
-        element('text', f'{top:.3g} {unit}', x=_EDGE, y=_EDGE - 2, font_size=11)]
-    axis = element('line', x1=_EDGE, x2=_WIDTH - _EDGE, y1=y(bottom), y2=y(bottom),
-                   stroke='#d0d7de')
-    return element('svg', axis, *marks, *texts, viewBox=f'0 0 {_WIDTH} {_HEIGHT}', width=_WIDTH,
-                   height=_HEIGHT, role='img',
-                   aria_label=f'{trend.machine}: {trend.effect} over time')
+def _machine(number: int, machine: Machine) -> Markup:
+    shown = [entry for entry in machine.followed
+             if entry.growth.jumps or entry.grows or entry.effect != OIL and (
+                 entry.there or entry.growth.kind != 'steady')]
+    figures = [element('figure', element('figcaption', entry.effect.replace(
+        OIL, 'oil stiffness')), picture(entry, f'{machine.name}: {entry.effect}'))
+        for entry in shown or machine.followed[:1]]
+    done = machine.campaigns - machine.failed
+    return element(
+        'div', element('h3', f'{machine.name} ', _badge(machine)),
+        element('ul', *(element('li', told) for told in of_machine(machine))),
+        element('div', *figures, class_='pictures') if figures else '',
+        element('p', f'{done} of {machine.campaigns} campaigns judged; '
+                f'its own file: {machine.unit}', class_='note'),
+        class_='machine', id=f'machine-{number}')
 
 
 def _outliers(summary: Summary) -> Markup:
-    rows = []
-    for entry in summary.outliers:
-        value, unit = for_people(entry.point.value, entry.point.unit)
-        rows.append([entry.point.campaign, f'{entry.point.effect}.{entry.point.parameter}', value,
-                     for_people(entry.median, entry.point.unit)[0], unit, f'{entry.z:+.1f}'])
+    rows = [[entry.point.machine, entry.point.effect, amount(entry.point.value, entry.point.unit),
+             amount(entry.median, entry.point.unit), f'{entry.z:+.1f}']
+            for entry in summary.outliers]
     return section('outliers', 'Unlike the others', note(
-        'Robust z beyond 3.5 among the machines that show the effect (five at least).'),
-        table(['campaign', 'effect', 'size', "machines' median", 'unit', 'z'], rows, 'Outliers')
+        'Robust z beyond 3.5 among the machines that show the effect now (five at least).'),
+        table(['machine', 'effect', 'size', "machines' median", 'z'], rows, 'Outliers')
         if rows else note('None.'))
 
 
 def _rows(rows: Sequence[dict]) -> Markup:
     listed = [[row['campaign'], row['date'] or '', (row['diagnosis'] or {}).get('verdict') or
-               'failed', row['reason'] or row['diagnosis']['sentence']] for row in rows]
-    return section('campaigns', 'All campaigns',
-                   table(['campaign', 'date', 'verdict', 'answer, or why there is none'], listed,
-                         'Campaigns'))
+               row['status'], row['reason'] or (row['diagnosis'] or {}).get('sentence') or
+               'taken as healthy: the machine was commissioned on it'] for row in rows]
+    return section('campaigns', 'All campaigns', element(
+        'details', element('summary', f'{len(listed)} campaigns and their answers'),
+        table(['campaign', 'date', 'verdict', 'answer, or why there is none'], listed,
+              'Campaigns')))

@@ -30,15 +30,17 @@ _AHEAD = 4      # campaigns per worker that wait in the executor
 
 
 class Progress(NamedTuple):
-    """How far it is: a row that came in (None: one that was there), and how many of all."""
+    """How far what is: a row that came in (None: one that was there), and how many of all."""
 
     row: dict | None
     done: int
     total: int
+    what: str = 'campaigns'
 
 
 def run_fleet(campaigns: Sequence[Campaign], store: Store, task: Task, *, workers: int = 0,
-              scheduler: str = '', again: bool = False,
+              scheduler: str = '', again: bool = False, what: str = 'campaigns',
+              asked: Callable[[Campaign], str] = lambda campaign: '',
               progress: Callable[[Progress], None] = lambda progress: None) -> list[dict]:
     """
     Run a task over campaigns and return their rows, in order.
@@ -57,6 +59,10 @@ def run_fleet(campaigns: Sequence[Campaign], store: Store, task: Task, *, worker
         Address of a dask scheduler; its workers are used instead.
     again : bool
         Also repeat those that failed.
+    what : str
+        What is counted, for people.
+    asked : callable
+        What of a campaign is asked, beside its files: another question has another answer.
     progress : callable
         Told of each row.
 
@@ -66,7 +72,7 @@ def run_fleet(campaigns: Sequence[Campaign], store: Store, task: Task, *, worker
         If the scheduler cannot be reached.
 
     """
-    keys = [key_of(campaign) for campaign in campaigns]
+    keys = [key_of(campaign, asked(campaign)) for campaign in campaigns]
     rows: dict[str, dict] = {}
     for key in keys:
         row = store.get(key)
@@ -74,12 +80,12 @@ def run_fleet(campaigns: Sequence[Campaign], store: Store, task: Task, *, worker
             rows[key] = row
     waiting = {key: campaign for key, campaign in zip(keys, campaigns) if key not in rows}
     total = len(set(keys))
-    progress(Progress(None, len(rows), total))
+    progress(Progress(None, len(rows), total, what))
     finished = _on_cluster if scheduler else _here
     for key, row in finished(waiting, task, scheduler or workers or os.cpu_count() or 1):
         row = rows[key] = {**row, 'key': key}
         store.put(key, row)
-        progress(Progress(row, len(rows), total))
+        progress(Progress(row, len(rows), total, what))
     # The names are those of now, also where a folder was moved since.
     return [{**rows[key], 'campaign': campaign.name, 'machine': campaign.machine,
              'date': campaign.date or None} for key, campaign in zip(keys, campaigns)]

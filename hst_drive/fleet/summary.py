@@ -1,34 +1,82 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What the answers say together: which machine lacks what, what grows, and who is unlike the others.
+What the answers say together: machine by machine what grows, since when and until when.
 
-A trend is Theil's and Sen's median slope with its 95 % interval (P. K. Sen, Estimates of the
-regression coefficient based on Kendall's tau, JASA 63, 1968); an outlier has a robust z beyond
-3.5 (B. Iglewicz, D. Hoaglin, How to detect and handle outliers, ASQC 1993).
+An outlier has a robust z beyond 3.5 (B. Iglewicz, D. Hoaglin, How to detect and handle outliers,
+ASQC 1993).
 """
 from __future__ import annotations
 
 from collections import Counter
 from datetime import date
+import math
 from typing import NamedTuple, Sequence
 
+from hst_drive.fleet.events import Event, events
+from hst_drive.fleet.growth import Growth, History, Remaining
+from hst_drive.fleet.life import Lives
+from hst_drive.fleet.limits import Limits
 import numpy as np
 
-_FEWEST_DATES = 4
 _FEWEST_MACHINES = 5
 _FAR = 3.5
-_YEAR = 365.25      # days
+_SURE = 1.96
+GROWING = ('grows', 'accelerates')
+# States of a machine, the most urgent first.
+REACHED, AHEAD, GROWS, ODD, THERE, SOUND, UNTOLD = (
+    'limit reached', 'limit ahead', 'grows', 'not explained', 'steady fault', 'nothing found',
+    'not judged')
+STATES = (REACHED, AHEAD, GROWS, ODD, THERE, SOUND, UNTOLD)
+
+
+class Followed(NamedTuple):
+    """
+    The size of an effect on one machine over its life, less what is neutral, SI.
+
+    ``limit`` and ``remaining`` (days as ordinals) are None where no limit was given or too little
+    is known.
+    """
+
+    effect: str
+    parameter: str
+    unit: str
+    history: History
+    growth: Growth
+    limit: float | None
+    remaining: Remaining | None
+
+    @property
+    def there(self) -> bool:
+        """Whether its size differs from none on the last day."""
+        low, _, high = self.growth.level
+        return low > 0.0 or high < 0.0
+
+    @property
+    def grows(self) -> bool:
+        """Whether it is there and grows."""
+        return self.there and self.growth.kind in GROWING
 
 
 class Machine(NamedTuple):
-    """A machine: how many campaigns, verdicts, and in how many each effect was found."""
+    """
+    A machine: state, what is followed (the most urgent first), events, campaigns.
+
+    ``unit`` is the file that it is judged by, or why it has none of its own; ``effects`` are the
+    numbers of campaigns in which each effect was named.
+    """
 
     name: str
+    state: str
+    unit: str
     campaigns: int
     failed: int
     verdicts: dict[str, int]
     effects: dict[str, int]
+    followed: tuple[Followed, ...]
+    events: tuple[Event, ...]
+    last: str
+    sentence: str
 
 
 class Point(NamedTuple):
@@ -45,27 +93,8 @@ class Point(NamedTuple):
     high: float
 
 
-class Trend(NamedTuple):
-    """
-    How the size of an effect changes on a machine, SI per year, with a 95 % interval.
-
-    ``direction`` is 'grows', 'falls' or 'steady' (the interval holds zero); ``points`` are in
-    the order of time.
-    """
-
-    machine: str
-    effect: str
-    parameter: str
-    unit: str
-    slope: float
-    low: float
-    high: float
-    direction: str
-    points: tuple[Point, ...]
-
-
 class Outlier(NamedTuple):
-    """A campaign whose effect is unlike in size to that of the other machines."""
+    """A machine whose effect is unlike in size to that of the others, by its last campaign."""
 
     point: Point
     median: float
@@ -73,19 +102,19 @@ class Outlier(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """All of it."""
+    """All of it, the most urgent machine first."""
 
     machines: list[Machine]
-    trends: list[Trend]
     outliers: list[Outlier]
     failures: list[tuple[str, str]]
 
 
-def summarise(rows: Sequence[dict]) -> Summary:
-    """Put rows together (``task.row_of``)."""
-    points = [point for row in rows for point in points_of(row)]
-    return Summary(_machines(rows), trends(points), outliers(points),
-                   [(row['campaign'], row['reason']) for row in rows
+def summarise(lives: Lives, limits: Limits | None = None) -> Summary:
+    """Put together what is known of a fleet; ``limits`` by effect and parameter, SI."""
+    machines = [_machine(name, lives, limits or {})
+                for name in sorted({row['machine'] for row in lives.rows})]
+    return Summary(sorted(machines, key=_urgency), outliers(lives.rows),
+                   [(row['campaign'], row['reason']) for row in lives.rows
                     if row['status'] == 'failed'])
 
 
@@ -100,60 +129,93 @@ def points_of(row: dict) -> list[Point]:
     return found
 
 
-def _machines(rows: Sequence[dict]) -> list[Machine]:
+def day_of(text: str) -> float:
+    """Return the ordinal of a day as 'YYYY-MM-DD'."""
+    return float(date.fromisoformat(text).toordinal())
+
+
+def _machine(name: str, lives: Lives, limits: Limits) -> Machine:
+    own = sorted((row for row in lives.rows if row['machine'] == name),
+                 key=lambda row: (row['date'] or '', row['campaign']))
+    done = [row['diagnosis'] for row in own if row['diagnosis']]
+    entries = sorted(_followed([row for row in lives.sizes if row['machine'] == name], limits),
+                     key=_urgency_of)
+    state = _state(entries, done[-1] if done else None)
+    return Machine(
+        name, state, lives.units.get(name, ''), len(own),
+        sum(row['status'] == 'failed' for row in own),
+        dict(Counter(entry['verdict'] for entry in done)),
+        dict(Counter(effect['id'] for entry in done for effect in entry['effects'])),
+        tuple(entries), tuple(events(entries)), own[-1]['date'] or '',
+        done[-1]['sentence'] if done else own[-1]['reason'] or '')
+
+
+def _state(entries: Sequence[Followed], last: dict | None) -> str:
+    reaches = [entry.remaining for entry in entries if entry.remaining]
+    if any(found.reached > 0.5 for found in reaches):
+        return REACHED
+    if any(math.isfinite(found.middle) for found in reaches):
+        return AHEAD
+    if any(entry.grows for entry in entries):
+        return GROWS
+    if last is None:
+        return UNTOLD
+    if last['verdict'] == 'unknown':
+        return ODD
+    return THERE if last['effects'] else SOUND
+
+
+def _followed(rows: Sequence[dict], limits: Limits) -> list[Followed]:
     found = []
-    for name in sorted({row['machine'] for row in rows}):
-        own = [row for row in rows if row['machine'] == name]
-        done = [row['diagnosis'] for row in own if row['status'] == 'done']
-        found.append(Machine(
-            name, len(own), len(own) - len(done),
-            dict(Counter(entry['verdict'] for entry in done)),
-            dict(Counter(effect['id'] for entry in done for effect in entry['effects']))))
+    for effect in dict.fromkeys(name for row in rows for name in row['sizes']):
+        # Of campaigns on one day the last counts.
+        days = {day_of(row['date']): row for row in rows if effect in row['sizes']}
+        own = [days[day] for day in sorted(days)]
+        sizes = [row['sizes'][effect] for row in own]
+        warm = [row['oil_temperature'] for row in own]
+        history = History(
+            np.array(sorted(days)), *(np.array([size[key] for size in sizes])
+                                      for key in ('value', 'sigma')),
+            np.empty(0) if None in warm else np.array(warm))
+        growth = Growth(history)
+        parameter = str(sizes[0]['parameter'])
+        limit = limits.get((effect, parameter))
+        found.append(Followed(effect, parameter, str(sizes[0]['unit']), history, growth, limit,
+                              None if limit is None else growth.remaining(limit)))
     return found
 
 
-def _grouped(points: Sequence[Point], keys) -> dict[tuple, list[Point]]:
-    groups: dict[tuple, list[Point]] = {}
-    for point in points:
-        groups.setdefault(keys(point), []).append(point)
-    return groups
+def _urgency_of(entry: Followed) -> tuple:
+    left = entry.remaining.middle if entry.remaining else math.inf
+    return left, not entry.grows, not entry.there, entry.effect
 
 
-def trends(points: Sequence[Point]) -> list[Trend]:
-    """Return how sizes change where a machine has at least four campaigns of different dates."""
-    from scipy.stats import theilslopes
-
-    found = []
-    groups = _grouped([point for point in points if point.date],
-                      lambda point: (point.machine, point.effect, point.parameter, point.unit))
-    for key, group in sorted(groups.items()):
-        group = sorted(group, key=lambda point: point.date)
-        days = np.array([date.fromisoformat(point.date).toordinal() for point in group], float)
-        if len(set(days)) < _FEWEST_DATES:
-            continue
-        slope, _, low, high = theilslopes([point.value for point in group],
-                                          (days - days[0]) / _YEAR)
-        direction = 'grows' if low > 0 else 'falls' if high < 0 else 'steady'
-        found.append(Trend(*key, float(slope), float(low), float(high), direction, tuple(group)))
-    return found
+def _urgency(machine: Machine) -> tuple:
+    first = min((_urgency_of(entry)[:2] for entry in machine.followed), default=(math.inf, True))
+    return STATES.index(machine.state), first, machine.name
 
 
-def outliers(points: Sequence[Point]) -> list[Outlier]:
+def outliers(rows: Sequence[dict]) -> list[Outlier]:
     """
-    Return campaigns whose effect is unlike that of the other machines that have it.
+    Return machines whose effect is unlike that of the others that have it, each by its last size.
 
     The scale is the median deviation, but no less than the sizes are sure.
     """
+    last = {row['machine']: row for row in sorted(
+        (row for row in rows if row['diagnosis']),
+        key=lambda row: (row['date'] or '', row['campaign']))}
+    groups: dict[tuple[str, str], list[Point]] = {}
+    for row in last.values():
+        for point in points_of(row):
+            groups.setdefault((point.effect, point.parameter), []).append(point)
     found = []
-    for group in _grouped(points, lambda point: (point.effect, point.parameter)).values():
-        if len({point.machine for point in group}) < _FEWEST_MACHINES:
+    for group in groups.values():
+        if len(group) < _FEWEST_MACHINES:
             continue
-        # A machine counts once, however often it was measured.
-        each = [np.median([point.value for point in own])
-                for own in _grouped(group, lambda point: point.machine).values()]
+        each = np.array([point.value for point in group])
         middle = float(np.median(each))
-        sure = np.median([(point.high - point.low) / 3.92 for point in group])
-        scale = max(float(np.median(np.abs(np.array(each) - middle))) / 0.6745, float(sure))
+        sure = np.median([(point.high - point.low) / (2 * _SURE) for point in group])
+        scale = max(float(np.median(np.abs(each - middle))) / 0.6745, float(sure))
         if scale > 0:
             found += [Outlier(point, middle, (point.value - middle) / scale) for point in group
                       if abs(point.value - middle) > _FAR * scale]

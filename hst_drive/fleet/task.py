@@ -3,8 +3,9 @@
 """What is done with one campaign, wherever it runs; its answer is a row, also if it fails."""
 from __future__ import annotations
 
+from pathlib import Path
 import time
-from typing import Callable
+from typing import Callable, Mapping
 
 from hst_drive.errors import InputError
 from hst_drive.fleet.campaigns import Campaign
@@ -37,15 +38,70 @@ def diagnose_campaign(campaign: Campaign, describe: Callable[[object], dict]) ->
         ``Diagnosis`` to a mapping of schema hst_drive/diagnosis/1.
 
     """
+    return _row(campaign, lambda: {'diagnosis': plain(describe(_diagnosis(campaign)))})
+
+
+def commission_machine(campaign: Campaign) -> dict:
+    """
+    Return the row of a machine's first days: its own rig file as a mapping under 'unit'.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The logs of these days. Where something is missing in later ones, the first day alone
+        counts.
+
+    """
+    return _row(campaign, lambda: _commissioned(campaign))
+
+
+def track_campaign(campaign: Campaign,
+                   effects: Mapping[str, Mapping[str, Mapping[str, float]]]) -> dict:
+    """Return the row of a campaign with the sizes of its machine's ``effects`` (``track``)."""
+    return _row(campaign, lambda: _tracked(campaign, effects[campaign.machine]))
+
+
+def _row(campaign: Campaign, answer: Callable[[], dict]) -> dict:
     began, used = time.monotonic(), time.process_time()
     try:
-        found = describe(_diagnosis(campaign))
+        found = answer()
     except InputError as problem:
         return failed(campaign, str(problem))
     except Exception as problem:    # one campaign must not end all others
         return failed(campaign, f'{type(problem).__name__}: {problem} (not your input)')
     return row_of(campaign, status='done', reason=None, seconds=time.monotonic() - began,
-                  cpu_seconds=time.process_time() - used, diagnosis=plain(found))
+                  cpu_seconds=time.process_time() - used, **found)
+
+
+def _commissioned(campaign: Campaign) -> dict:
+    from hst_drive.bag.campaign import read_logs
+    from hst_drive.diagnose.commission import commission
+    from hst_drive.rig import default_rig_file
+    from hst_drive.rig.yaml_file import read_yaml
+
+    source = campaign.rig or str(default_rig_file())
+    rig = read_yaml(source)
+    runs = read_logs(campaign.logs, campaign.channels or None)
+    first = Path(campaign.logs[0]).parent
+    alone = [run for run, path in zip(runs, campaign.logs) if Path(path).parent == first]
+    try:
+        unit, used = commission(rig, source, runs).rig, campaign.logs
+    except InputError:
+        if len(alone) == len(runs):
+            raise
+        unit = commission(rig, source, alone).rig
+        used = campaign.logs[:len(alone)]
+    return {'unit': plain(unit), 'used': list(used)}
+
+
+def _tracked(campaign: Campaign, effects: Mapping[str, Mapping[str, float]]) -> dict:
+    from hst_drive.bag.campaign import read_logs
+    from hst_drive.fleet.track import track
+    from hst_drive.rig import default_rig, load_rig
+
+    rig = load_rig(campaign.rig) if campaign.rig else default_rig()
+    return track(rig, read_logs((*campaign.logs, *campaign.holdout), campaign.channels or None),
+                 effects)._asdict()
 
 
 def _diagnosis(campaign: Campaign):

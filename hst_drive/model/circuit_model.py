@@ -44,6 +44,10 @@ class CircuitModel(PartModel):
         self.circuit = circuit_of(rig)
         self._numbers = self.circuit.parameters(rig)
         self.code: Running = code_of(self.circuit, tuple(self._numbers), compiled)
+        self._neutral = np.zeros(self.code.size)
+        for name, effect in catalogue(everything=True).items():
+            for entry in effect.parameters:
+                self._neutral[self.code.places[name, entry.name]] = entry.neutral
         self._tables = cells_of([table(rig) for table in self.circuit.tables.values()])
 
     def enters(self, name: str) -> bool:
@@ -59,12 +63,10 @@ class CircuitModel(PartModel):
 
     def _vectors(self) -> tuple[np.ndarray, np.ndarray]:
         """Return parameters and switches as the code takes them."""
-        values = np.zeros(self.code.size)
+        values = self._neutral.copy()
         values[:len(self._numbers)] = [self.parameter(name) for name in self._numbers]
         switches = np.zeros(len(self.code.flags) + len(self.code.slots), dtype=np.int8)
         known = catalogue(everything=True)
-        for key, place in self.code.places.items():
-            values[place] = known[key[0]].neutral[key[1]]
         for name, chosen in self.effects.items():
             for key, value in chosen.items():
                 values[self.code.places[name, key]] = value
@@ -85,8 +87,8 @@ class CircuitModel(PartModel):
         time : ndarray, shape (n,)
             s, strictly rising.
         channels : mapping of str to ndarray, shape (n,)
-            Inputs by channel, SI; 'viscosity_ratio' follows from 'oil_temperature'. One that is
-            left out has its default.
+            Inputs by channel, SI; one that is left out has its default. 'viscosity_ratio'
+            follows from 'oil_temperature' if it is not given.
         told : mapping of str to ndarray, shape (n,)
             States that are measured, SI.
         state, memory : ndarray, optional
@@ -102,8 +104,9 @@ class CircuitModel(PartModel):
         """
         circuit, n = self.circuit, len(time)
         temperature = channels.get('oil_temperature', np.full(n, self.rig.characterised_at))
-        known = {**channels, 'oil_temperature': temperature,
-                 'viscosity_ratio': self._viscosity_ratio(temperature)}
+        known = {'viscosity_ratio': None, **channels, 'oil_temperature': temperature}
+        if known['viscosity_ratio'] is None:
+            known['viscosity_ratio'] = self.viscosity_ratio(temperature)
         commands, inputs = (np.column_stack([
             np.broadcast_to(known.get(entry.name, entry.default), n) for entry in entries])
             .astype(float) for entries in (circuit.held_inputs, circuit.inputs))
@@ -136,7 +139,8 @@ class CircuitModel(PartModel):
         return np.array([self.parameter(entry.start) if entry.start else 0.0
                          for entry in self.circuit.states])
 
-    def _viscosity_ratio(self, temperature: np.ndarray) -> np.ndarray:
+    def viscosity_ratio(self, temperature: np.ndarray) -> np.ndarray:
+        """Return the oil's viscosity over that at which the tables were measured."""
         grade = self.rig.line.oil_grade if self.rig.line else ''
         if not grade:
             return np.ones(len(temperature))

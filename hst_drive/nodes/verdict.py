@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 __all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'VerdictOutput', 'WARN']
 UNKNOWN = 'unknown'
 """Named where a balance fails and no effect of the catalogue explains it."""
+RATE = '.rate'
+"""Behind the name of an effect: the entry with its growth."""
+_HOUR = 3600.0      # s
 
 
 class VerdictOutput:
@@ -52,20 +55,43 @@ class VerdictOutput:
 
 
 def named(stamp: int, verdict: Verdict) -> dict[str, list]:
-    """Return the arrays of the message: names, sizes (SI), shares explained, seconds since."""
+    """
+    Return the arrays of the message: names, sizes (SI), shares explained, seconds since.
+
+    Behind all effects come their rates: growth in SI a second, and its 95 % interval.
+    """
     found = [(entry.effect, entry.size, entry.explains) for entry in verdict.effects]
     if verdict.failing and not found:
         found = [(UNKNOWN, 0.0, 0.0)]
     names, sizes, shares = (list(column) for column in zip(*found)) if found else ([], [], [])
-    return {'name': names, 'position': sizes, 'velocity': shares,
-            'effort': [(stamp - verdict.began) / BILLION] * len(names)}
+    since = [(stamp - verdict.began) / BILLION] * len(names)
+    for entry in verdict.effects:
+        if entry.rate:
+            for column, value in zip((names, sizes, shares, since),
+                                     (f'{entry.effect}{RATE}', *entry.rate)):
+                column.append(value)
+    return {'name': names, 'position': sizes, 'velocity': shares, 'effort': since}
 
 
 def _effect(entry: Likely) -> str:
-    unit = next(parameter.unit for parameter in catalogue()[entry.effect].parameters
-                if parameter.name == entry.parameter)
-    size, unit = for_people(entry.size, unit)
+    size, unit = for_people(entry.size, _unit(entry))
     return f'{entry.effect} ({entry.parameter} about {size:.3g} {unit})'
+
+
+def _trend(entry: Likely) -> str:
+    """Return the growth of an effect in an hour; '' where it is not known."""
+    if not entry.rate:
+        return ''
+    (rate, unit), (low, _), (high, _) = (
+        for_people(_HOUR * value, _unit(entry)) for value in entry.rate)
+    told = 'grows' if low * entry.size > 0.0 and high * entry.size > 0.0 else \
+        'shrinks' if low * entry.size < 0.0 and high * entry.size < 0.0 else 'no trend'
+    return f'{entry.effect} {told}: {rate:+.3g} {unit} an hour ({low:.3g} to {high:.3g})'
+
+
+def _unit(entry: Likely) -> str:
+    return next(parameter.unit for parameter in catalogue()[entry.effect].parameters
+                if parameter.name == entry.parameter)
 
 
 def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
@@ -98,6 +124,7 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
     values = {
         'balances': ', '.join(BALANCES[name][0] for name in verdict.failing),
         'effects': ', '.join(_effect(entry) for entry in verdict.effects) or 'unknown',
+        'trend': ', '.join(filter(None, map(_trend, verdict.effects))) or 'not known yet',
         'explained': ', '.join(f'{100 * entry.explains:.0f} %' for entry in verdict.effects),
         'failing_since_s': f'{began:.1f}',
         'section_from': _stamp(verdict.since), 'section_to': _stamp(verdict.until),

@@ -29,6 +29,7 @@ _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
             'supply': parts.Supply, 'valve': parts.Valve, 'controller': parts.Controller}
 _TOP = (*SECTIONS, 'name', 'circuit', 'sensors', 'tolerances_1_sigma_relative',
         'characterised_at_oil_temperature_degC', 'effects', 'calibration', SECTION, 'provenance')
+_SHOWN = 12     # keys in a message
 
 
 def load_rig(path: str | Path) -> Rig:
@@ -117,7 +118,9 @@ def _known(mapping, allowed, source: str, where: str) -> None:
             if mend:
                 raise InputError(f"{source}: '{path}' has the wrong unit; {mend}")
         near = get_close_matches(str(key), allowed, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else f'known: {", ".join(allowed)}'
+        more = ', ... (docs/rig_file.md)' if len(allowed) > _SHOWN else ''
+        hint = (f"did you mean '{near[0]}'?" if near
+                else f'known: {", ".join(allowed[:_SHOWN])}{more}')
         raise InputError(f"{source}: unknown key '{path}'; {hint}")
 
 

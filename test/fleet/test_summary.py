@@ -2,74 +2,101 @@
 # SPDX-License-Identifier: Apache-2.0
 """What many answers say together, on fleets whose truth is known."""
 from html.parser import HTMLParser
+import json
 
+from hst_drive.fleet.document import as_json
 from hst_drive.fleet.page import fleet_page
-from hst_drive.fleet.summary import summarise
-import numpy as np
+from hst_drive.fleet.summary import AHEAD, GROWS, summarise
+from hst_drive.fleet.words import sentence
+from hst_drive.report.plain import plain
 import pytest
 
-from . import stubs
+from .lives import fleet, START, together, TYPICAL
 
-YEAR = 365.25
-
-
-def row(machine, day, size=None, status='done', reason=None):
-    """Return a row; without a size nothing was missing."""
-    found = stubs.answer(size) if size is not None else {
-        'verdict': 'none', 'sentence': 'Nothing is missing.', 'effects': []}
-    date = str(np.datetime64('2026-01-01') + day)
-    return {'campaign': f'{machine}/{date}', 'machine': machine, 'date': date, 'status': status,
-            'reason': reason, 'diagnosis': found if status == 'done' else None}
+LIMIT = 1.6 * TYPICAL
+LIMITS = {('motor_leakage', 'conductance'): LIMIT}
 
 
 @pytest.fixture(scope='module')
-def rows():
-    """Return a fleet: one wears, one does not, one is far off, one is sound, one log failed."""
-    random = np.random.default_rng(5)
-    found = [row('wears', day, 1e-12 * (1 + day / YEAR) * (1 + 0.01 * random.standard_normal()))
-             for day in range(0, 200, 20)]
-    found += [row('steady', day, 1e-12 * (1 + 0.02 * random.standard_normal()))
-              for day in range(0, 200, 20)]
-    found += [row(f'other_{k}', 5, 1e-12 * (1 + 0.05 * random.standard_normal()))
-              for k in range(6)]
-    found += [row('far <off>', 5, 9e-12), row('sound', 5),
-              row('sound', 6, status='failed', reason='no <rows>')]
-    return found
+def lives():
+    """Return a fleet."""
+    return fleet()
 
 
-def test_wear_is_told_from_scatter(rows):
-    found = {trend.machine: trend for trend in summarise(rows).trends}
-    assert set(found) == {'wears', 'steady'}
-    assert found['wears'].direction == 'grows'
-    assert found['wears'].low < 1e-12 < found['wears'].high
-    assert found['wears'].slope == pytest.approx(1e-12, rel=0.15)
-    assert found['steady'].direction == 'steady'
+@pytest.fixture(scope='module')
+def summary(lives):
+    """Return what it says."""
+    return summarise(lives, LIMITS)
 
 
-def test_who_is_unlike_the_others(rows):
-    found = summarise(rows).outliers
-    assert found[0].point.machine == 'far <off>'
-    # What wears far enough leaves the others, too: late, not early.
-    worn = [entry.point for entry in found if entry.point.machine == 'wears']
-    assert len(found) == 1 + len(worn) and min(point.date for point in worn) > '2026-02-20'
+@pytest.fixture(scope='module')
+def machines(summary):
+    """Return its machines by name."""
+    return {machine.name: machine for machine in summary.machines}
 
 
-def test_who_lacks_what(rows):
-    summary = summarise(rows)
-    machines = {machine.name: machine for machine in summary.machines}
-    assert machines['wears'].effects == {'motor_leakage': 10}
-    assert machines['sound'].verdicts == {'none': 1}
-    assert (machines['sound'].campaigns, machines['sound'].failed) == (2, 1)
-    assert summary.failures == [('sound/2026-01-07', 'no <rows>')]
+def test_the_most_urgent_comes_first(summary):
+    """What has passed its limit before what will, that before what stays, sound ones last."""
+    names = [machine.name for machine in summary.machines]
+    assert names[:2] == ['far <off>', 'wears'] and names[-1] == 'new'
+    assert names.index('steady') < names.index('sound')
+    assert sentence(summary).startswith(
+        '13 machines: 1 limit reached, 1 limit ahead, 7 steady fault, 3 nothing found, '
+        '1 not judged. First to see to: far <off> (motor_leakage: limit 0.0096 L/min/bar is ')
 
 
-def test_steady_fleets_show_no_trend():
-    """By chance a 95 % interval misses zero in one of twenty: not in far more."""
-    random = np.random.default_rng(11)
-    found = summarise([row(f'rig {k}', day, 1e-12 * (1 + 0.1 * random.standard_normal()))
-                       for k in range(200) for day in range(0, 240, 30)]).trends
-    assert len(found) == 200
-    assert sum(trend.direction != 'steady' for trend in found) <= 20
+def test_wear_is_told_with_its_end(machines):
+    """It grows by TYPICAL in the 671 days of the logs; the limit is 1.6 of that."""
+    machine, = [machines['wears']]
+    entry, = machine.followed
+    assert machine.state == AHEAD and entry.growth.kind == 'grows'
+    assert entry.growth.rate[0] < TYPICAL / 671 < entry.growth.rate[2]
+    true = START.toordinal() + 1.6 * 671
+    assert entry.remaining.low < true < entry.remaining.high
+
+
+def test_without_a_limit_it_only_grows(lives):
+    states = {machine.name: machine.state for machine in summarise(lives).machines}
+    assert states['wears'] == GROWS and states['far <off>'] == 'steady fault'
+
+
+def test_events_are_told_in_the_words_of_who_maintains_it(machines):
+    repair, = machines['repaired'].events
+    assert 'fell back: repaired' in repair.what
+    oil, = machines['oil'].events
+    assert oil.what.startswith('oil changed: softer')
+    assert not machines['wears'].events and not machines['steady'].events
+
+
+def test_two_dates_tell_no_growth(lives, machines):
+    told = as_json(lives, summarise(lives, LIMITS))['machines'][-1]['told']
+    assert 'too few dates to say whether it grows' in told[0]
+    assert machines['new'].followed[0].remaining is None
+
+
+def test_who_is_unlike_the_others(summary):
+    """By what they show now: what was repaired counts no more."""
+    assert {entry.point.machine for entry in summary.outliers} == {'far <off>', 'wears'}
+
+
+def test_who_lacks_what(summary, machines):
+    assert machines['wears'].effects['motor_leakage'] == 10
+    assert (machines['sound'].campaigns, machines['sound'].failed) == (12, 1)
+    assert summary.failures == [('sound/2025-11-11', 'no <rows>')]
+
+
+def test_what_is_written_is_json(lives, summary):
+    """Days that are too far away are none, and nothing is infinite."""
+    found = json.loads(json.dumps(plain(as_json(lives, summary)), allow_nan=False))
+    assert found['schema'] == 'hst_drive/fleet/2'
+    assert found['machines'][1]['followed'][0]['remaining']['low'] > '2026-06'
+
+
+def test_an_empty_life(lives):
+    """Machines of which no size is known have a row as well."""
+    rows = [{**row, 'date': None} for row in lives.rows[:3]]
+    found = summarise(together((rows, [])))
+    assert [machine.name for machine in found.machines] == ['wears']
 
 
 class _Tags(HTMLParser):
@@ -86,13 +113,13 @@ class _Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_the_page_is_whole_and_alone(rows):
-    page = fleet_page('Fleet', 'All of it.', rows, summarise(rows), ['29 campaigns'])
+def test_the_page_is_whole_and_alone(lives, summary):
+    page = fleet_page('north', lives.rows, summary)
     reader = _Tags()
     reader.feed(page)
     assert not reader.open
     assert 'script' not in reader.seen and 'link' not in reader.seen and 'img' not in reader.seen
-    assert reader.seen.count('svg') == 2
+    assert reader.seen.count('svg') == len(summary.machines)
     assert 'http' not in page.replace('http-equiv', '')
     assert 'far &lt;off&gt;' in page and '<off>' not in page and 'no &lt;rows&gt;' in page
-    assert 'L/min/bar' in page
+    assert '<title>Fleet north</title>' in page and 'L/min/bar' in page

@@ -160,6 +160,31 @@ def test_an_adopted_leak_that_grows_or_shrinks_is_named_with_its_whole_size(now)
 
 
 @pytest.mark.needs_numba
+@pytest.mark.parametrize('growth', [0.0, 1.0])
+def test_a_leak_that_grows_has_its_rate(growth):
+    """In 12 minutes of a machine with its own file: nothing, or once its typical size."""
+    sizes = LEAK.typical * (1.0 + growth * np.arange(36) / 36)
+    own = replace(RIG, tolerances={}, fingerprint=Fingerprint({
+        name: 0.12 * sigma for name, sigma in RIG.tolerances.items()}))
+    signatures, balances, blocks = Signatures(own), Balances(own, SIGNALS), []
+    for number, size in enumerate(sizes):
+        piece = next(drilling(replace(RIG, tolerances={}), 60 + number, 0.34, {
+            'motor_leakage': {'conductance': size}}))
+        window = Window(0, np.arange(300) / 100, {
+            name: values[500:800] for name, values in piece.items()})
+        start = number * 20_000_000_000
+        block = balances.of(window, 1_000_000_000, 3_000_000_000)
+        blocks += [] if isinstance(block, str) else [
+            block._replace(start=start, end=start + 2_000_000_000)]
+    found = {entry.effect: entry for entry in likely(
+        signatures, blocks, Calibration(balances.spread, balances.correlation), {})}
+    rate, low, high = found['motor_leakage'].rate
+    true = growth * LEAK.typical / 720.0
+    assert low < true < high and high - low < LEAK.typical / 720.0
+    assert (low > 0.0) == (growth > 0.0)
+
+
+@pytest.mark.needs_numba
 @pytest.mark.parametrize('effect, balance', [
     ('motor_leakage', 'motor_flow'), ('bearing_friction', 'motor_torque'),
     ('gearbox_loss', 'load_torque'), ('pump_command_offset', 'pump_flow'),

@@ -158,10 +158,17 @@ def test_the_verdict_is_for_machines(found, bag):
     assert BEGIN < alarms[0][0] <= BEGIN + 6
     for time, names, sizes, shares, since in alarms:
         assert names[0] == 'motor_leakage' and 0.5 < shares[0] <= 1.0 + 1e-9
-        assert list(shares) == sorted(shares, reverse=True)
+        effects = [name for name in names if not name.endswith('.rate')]
+        assert names[:len(effects)] == effects
+        explained = list(shares[:len(effects)])
+        assert explained == sorted(explained, reverse=True)
         assert time - since[0] == pytest.approx(BEGIN, abs=2.0)
         assert len(names) == len(sizes) == len(shares) == len(since)
-    assert alarms[-1][2][0] == pytest.approx(LEAKAGE, rel=0.03)
+    _, names, rates, low, high = alarms[-1]
+    assert rates[0] == pytest.approx(LEAKAGE, rel=0.03)
+    # It came at once and stays as it is: no trend.
+    place = names.index('motor_leakage.rate')
+    assert low[place] < 0.0 < high[place] and low[place] < rates[place] < high[place]
 
 
 def test_residuals_say_which_balance_and_how_much(found):

@@ -26,6 +26,20 @@ def test_effects_come_with_size_share_and_time():
                     'velocity': [0.97, 0.94], 'effort': [30.0, 30.0]}
 
 
+def test_growth_comes_behind_the_effects():
+    """Size, share and time stay where they were; the rate has its interval beside it."""
+    grown = LIKELY[0]._replace(rate=(2e-16, 1e-16, 3e-16))
+    failing = Verdict({}, {}, ('motor_flow',), began=20 * SECOND, effects=(grown, LIKELY[1]))
+    said = verdict.named(50 * SECOND, failing)
+    assert said['name'] == ['motor_leakage', 'elastic_leakage', 'motor_leakage.rate']
+    assert [said[key][2] for key in ('position', 'velocity', 'effort')] == [2e-16, 1e-16, 3e-16]
+    assert said['effort'][:2] == [30.0, 30.0]
+    _, values = verdict.alarm(Verdict({}, {}, ('motor_flow',), effects=(grown,)), 0, '', ())
+    # 2e-16 m^3/(s.Pa) a second: times 3600 s, 6e4 L/min over m^3/s and 1e5 Pa over a bar.
+    assert values['trend'] == ('motor_leakage grows: +0.00432 L/min/bar an hour '
+                               '(0.00216 to 0.00648)')
+
+
 def test_a_failure_that_no_effect_explains_is_told_all_the_same():
     said = verdict.named(5 * SECOND, Verdict({}, {}, ('motor_flow',), began=2 * SECOND))
     assert said == {'name': ['unknown'], 'position': [0.0], 'velocity': [0.0], 'effort': [3.0]}

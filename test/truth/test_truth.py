@@ -43,7 +43,7 @@ def imported(path):
 
 
 def test_it_imports_nothing_of_the_product_and_the_product_nothing_of_it():
-    for path in Path(__file__).parent.glob('*.py'):
+    for path in Path(__file__).parent.rglob('*.py'):
         assert not [n for n in imported(path) if n.split('.')[0] == 'hst_drive'], path
     for path in (ROOT / 'hst_drive').rglob('*.py'):
         assert not [n for n in imported(path) if n.split('.')[0] in ('test', 'truth')], path

@@ -25,6 +25,8 @@ _EQUAL = 0.06       # of the error: less does not tell one effect from another
 _CHANCE = 12.0      # of squared error in deviations: less may be chance
 _LEAST = 0.5        # of the error that an effect must explain to be named
 _MOST = 6
+_FEWEST = 10        # balances of blocks, for a trend
+_SURE = 1.96        # standard deviations: half of a 95 % interval
 _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
          'line_upstream_share', 'shaft_compliance', 'shaft_load_share', 'shaft_damping_time',
@@ -38,13 +40,15 @@ class Likely(NamedTuple):
     An effect that explains what fails: its share of the squared error and its size.
 
     ``parameter`` is the one that was fitted, ``size`` its value in SI: of an adopted effect as
-    it is now, not by how much it differs from what was adopted.
+    it is now, not by how much it differs from what was adopted. ``rate`` is by how much it grows
+    in a second over the blocks, with its 95 % interval; None where they tell nothing of that.
     """
 
     effect: str
     explains: float
     parameter: str
     size: float
+    rate: tuple[float, float, float] | None = None
 
 
 class Signatures:
@@ -140,7 +144,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
         Variance from block to block by balance, beyond that of the sensors, SI.
 
     """
-    rows, values, deviations, keys = [], [], [], []
+    rows, values, deviations, keys, times = [], [], [], [], []
     for place, block in enumerate(blocks):
         for balance, residual in block.residuals.items():
             deviation = math.sqrt(residual.noise**2 + residual.floor**2
@@ -150,6 +154,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
             values.append((residual.value - float(row @ known.unit)) / deviation)
             deviations.append(deviation)
             keys.append((place, balance))
+            times.append(1e-9 * (0.5 * (block.start + block.end) - blocks[0].start))
     if not rows:
         return ()
     design, error = np.array(rows), np.array(values)
@@ -160,6 +165,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
     absorb = np.linalg.solve(inner, design.T)
     total = float(error @ error - (error @ design) @ (absorb @ error))
     best: dict[str, Likely] = {}
+    columns: dict[str, np.ndarray] = {}
     for name, size, fitted in signatures.sizes():
         moved = [signatures.of(name, block, size) for block in blocks]
         column = np.array([moved[place].get(balance, 0.0) / deviation
@@ -176,9 +182,36 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
         low, high = signatures.bounds(name, fitted)
         if low <= amount <= high and (name not in best or share > best[name].explains):
             best[name] = Likely(name, share, fitted, amount)
+            columns[name] = column / size[fitted]
     ranked = sorted(best.values(), key=lambda entry: -entry.explains)
     if not ranked or ranked[0].explains < _LEAST:
         return ()
     near = max(_EQUAL, _CHANCE / max(total, 1e-30))
-    return tuple(entry for entry in ranked
-                 if ranked[0].explains - entry.explains <= near)[:_MOST]
+    return tuple(
+        entry._replace(rate=_rate(columns[entry.effect], np.array(times), error, design, absorb))
+        for entry in ranked if ranked[0].explains - entry.explains <= near)[:_MOST]
+
+
+def _rate(column: np.ndarray, times: np.ndarray, error: np.ndarray, design: np.ndarray,
+          absorb: np.ndarray) -> tuple[float, float, float] | None:
+    """
+    Return by how much a size grows in a second, and its 95 % interval.
+
+    ``column`` is what one unit of the size does. A straight line in time, fitted by least squares
+    with what the calibration may still explain as correlated errors; errors that are larger than
+    thought widen the interval.
+    """
+    middle = times - times.mean()
+    if len(times) < _FEWEST or not np.ptp(middle):
+        return None
+    both = np.column_stack([column, column * middle])
+    left = both - design @ (absorb @ both)
+    normal = both.T @ left
+    if np.linalg.cond(normal / np.sqrt(np.outer(np.diag(normal), np.diag(normal)))) > 1e8:
+        return None
+    pull = left.T @ error
+    found = np.linalg.solve(normal, pull)
+    square = float(error @ error - (error @ design) @ (absorb @ error) - pull @ found)
+    wider = max(square / (len(error) - 2), 1.0)
+    half = _SURE * math.sqrt(wider * float(np.linalg.inv(normal)[1, 1]))
+    return float(found[1]), float(found[1] - half), float(found[1] + half)

@@ -179,7 +179,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pump_torque += pump_torque_loss + p[P_charge_displacement] * settled_charge
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
-    fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow else 0.0
+    fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow and low < held_at + p[P_margin] else 0.0
     return (stroke_rate, a_rate, b_rate, acceleration, motor_speed,
             stroke, (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,

@@ -83,10 +83,10 @@ CLOSED: dict[str, Effect] = {
     'charge_pressure_loss': _e('flow', 'relief worn_pump', {'charge_loss': (0.25, '1')},
                                f'{B} {C}'),
     'cross_port_relief_cracking': _e('flow', 'linear quadratic', {'g_crack': (0.06, 'Q/P')},
-                                     f'{A} {B}', fixed={'p_crack': (0.62, 'P')}),
+                                     f'{A} {B}', fixed={'p_crack': (0.55, 'P')}),
     'swash_compliance': _e('pump_actuator', 'proportional shift', {'k_swash': (0.03, '1/P')},
                            f'{A} {B} {U}'),
-    'suction_starvation': _e('flow', 'displacement low_pressure', {'starve': (0.05, '1')},
+    'suction_starvation': _e('flow', 'displacement low_pressure', {'starve': (0.07, '1')},
                              f'{U} {B}'),
     'gear_backlash': _e('torque', 'gap soft_gap', {'play': (0.12, '1')}, W, M),
     'pump_command_offset': _e('pump_actuator', 'constant wide_dead_band', {'u_offset': (0.2, '1')},
@@ -123,7 +123,7 @@ VALVE: dict[str, Effect] = {
 
 _OUTSIDE_BOTH = {
     'missing_pulses': _e('sensor', 'linear', {'miss': (0.05, '1')}, W,
-                         fixed={'w_miss': (0.45, 'W')}),
+                         fixed={'w_miss': (0.35, 'W')}),
     'bent_shaft': _e('torque', 'once twice', {'t_angle': (0.05, 'T')}, W, M),
     'one_way_drag': _e('torque', 'reverse forward', {'t_oneway': (0.06, 'T')}, W, M),
     'temperature_friction': _e('torque', 'exponential linear', {'t_warm': (0.05, 'T')}, T, M,
@@ -149,6 +149,27 @@ VALVE_OUTSIDE: dict[str, Effect] = {
 LISTED = {'closed': CLOSED, 'valve': VALVE}
 OUTSIDE = {'closed': CLOSED_OUTSIDE, 'valve': VALVE_OUTSIDE}
 EVERY = [*LISTED.values(), *OUTSIDE.values()]
+
+
+# hidden physics that looks the same unless one of these channels is measured
+LOOK_ALIKE = (
+    (('motor_leakage', 'pump_leakage', 'cross_port_leakage'), ('case_drain_flow',)),
+    (('pump_leakage', 'cross_port_leakage'), ('charge_pressure',)),
+    (('motor_orifice_leakage', 'cross_port_leakage'), ('case_drain_flow',)),
+    (('swash_compliance', 'compressibility_flow'), ('pump_displacement', 'pump_torque')),
+    (('suction_starvation', 'swash_compliance', 'pump_speed_droop', 'compressibility_flow'),
+     ('pump_displacement',)),
+    (('line_loss', 'viscous_drag', 'hydrodynamic_drag'), ()),
+    (('pressure_sensor_bias', 'constant_torque'), ()),
+    (('gearbox_loss', 'torque_sensor_scale'), ()),
+)
+
+
+def look_alikes(circuit: str, ident: str, channels: list[str]) -> list[str]:
+    """Return what the maker would accept beside `ident` where these channels are measured."""
+    found = {other for group, separate in LOOK_ALIKE if ident in group
+             and not set(separate) & set(channels) for other in group}
+    return sorted((found - {ident}) & set(LISTED[circuit]))
 
 
 def blank() -> dict[str, float]:

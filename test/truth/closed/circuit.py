@@ -8,9 +8,9 @@ from math import copysign, exp, tanh
 
 import numpy as np
 
-from .common import (ANGLE, EXTRA2, MS_PER_TICK, PA, PB, PER_MS, STEP, STROKE, W, advance,
-                     controller, delayed, limited, play, shaft, speed_seen, stuck_thread, towards)
-from .pieces import (above, cross_leak, gas_capacity, line_drop, modulus, motor_flows, stroke)
+from .common import (advance, ANGLE, controller, delayed, EXTRA2, limited, MS_PER_TICK, PA, PB,
+                     PER_MS, play, shaft, speed_seen, STEP, STROKE, stuck_thread, towards, W)
+from .pieces import above, cross_leak, gas_capacity, line_drop, modulus, motor_flows, stroke
 from ..terms import jit, root
 
 PC, WP, STATES = EXTRA2 + 1, EXTRA2 + 2, EXTRA2 + 3
@@ -67,7 +67,8 @@ def servo_rate(p, y, dy, target):
 
 
 @jit
-def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a, sticky_b):
+def rhs(p, y, dy, aux, target, d_motor, rock, push, fluid, temperature, engine,
+        sticky_a, sticky_b):
     """Write the derivatives of all states, and flows and torques that are not states."""
     pa, pb, pc, w, wp = y[PA], y[PB], y[PC], y[W], y[WP]
     dp = pa - pb
@@ -84,9 +85,9 @@ def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a,
         if p.f_cross_port_relief_cracking == 1.0:
             over *= over / 60e5
         cross += copysign(p.g_crack * over, dp)
-    drop = line_drop(p, p.per_turn * p.d_motor * w)
+    drop = line_drop(p, p.per_turn * d_motor * w)
     ma, mb = pa - drop, pb + drop
-    take, give, case = motor_flows(p, ma, mb, w, fluid)
+    take, give, case = motor_flows(p, ma, mb, w, fluid, d_motor)
     check_a = p.g_check0 * sticky_a * above(pc - pa, 0.1e5)
     check_b = p.g_check0 * sticky_b * above(pc - pb, 0.1e5)
     if p.g_check > 0.0:
@@ -114,7 +115,7 @@ def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a,
     for i in (PA, PB, PC):
         if y[i] < -0.9e5:
             dy[i] = max(dy[i], 0.0)
-    drive, lost, load = shaft(p, y, dy, ma - mb, rock, push, temperature)
+    drive, lost, load = shaft(p, y, dy, ma - mb, d_motor, rock, push, temperature)
     ideal = d * dp
     t_pump = ideal + p.p_share * abs(ideal)
     t_all = t_pump + p.d_charge * pc * (1.0 + p.p_share)
@@ -129,13 +130,14 @@ def rhs(p, y, dy, aux, target, rock, push, fluid, temperature, engine, sticky_a,
 
 @jit
 def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engine, noise,
-        breakout, fraction):
+        breakout, d_motor, fraction):
     """
     Integrate one log and return one row of OUT per millisecond.
 
     Inputs per millisecond: set point (rad/s), command of the open loop (V), magnitude of the
     rock's torque, signed torque, leakage per leakage at 50 degC, degC, prime mover's relative
-    speed, break-out torque in reverse. `noise` of the speed per 10 ms; `fraction` refines the
+    speed, break-out torque in reverse, one motor's displacement
+    (m^3/rad). `noise` of the speed per 10 ms; `fraction` refines the
     step (1: STEP).
     """
     p = numbers[0]
@@ -152,7 +154,8 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engin
         seen = speed_seen(p, y)
         if k % MS_PER_TICK == 0:
             if closed:
-                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral)
+                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral,
+                                         d_motor[k] / p.d_motor)
             else:
                 u = manual[k]
             u = round(u * 409.6) / 409.6
@@ -174,7 +177,7 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, engin
             if k == 0 or breakout[k - 1] == 0.0:
                 loose = y[ANGLE]
             hold += stuck_thread(breakout[k], y[ANGLE] - loose)
-        args = (target, hold, push[k], fluid[k], temperature[k], engine[k],
+        args = (target, d_motor[k], hold, push[k], fluid[k], temperature[k], engine[k],
                 1.0 if open_a else 0.0, 1.0 if open_b else 0.0)
         rhs(p, y, dy[0], aux, *args)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u, y[PA], y[PB], y[PC]

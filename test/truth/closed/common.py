@@ -17,10 +17,10 @@ PA, PB, W, WL, TWIST, ANGLE, WF1, WF2, PILOT, STROKE, EXTRA1, EXTRA2 = range(12)
 
 
 @jit
-def shaft(p, y, dy, dp, rock, push, temperature):
+def shaft(p, y, dy, dp, d_motor, rock, push, temperature):
     """Write the derivatives of shaft and speed sensor; return torques: drive, lost, load."""
     w, wl = y[W], y[WL]
-    drive = shaft_torque(p, dp, w)
+    drive = shaft_torque(p, dp, w, d_motor)
     lost = drag(p, w, drive, y[ANGLE], temperature)
     turning = wl if p.play > 0.0 else w
     load = rock * sign(p, turning) + push
@@ -68,12 +68,16 @@ def speed_seen(p, y):
 
 
 @jit
-def controller(p, setpoint, reading, integral):
-    """Return the command of the speed controller, which jumps the dead band, and its integral."""
+def controller(p, setpoint, reading, integral, share):
+    """
+    Return the command of the speed controller, which jumps the dead band, and its integral.
+
+    `share` is the motors' displacement over the full one.
+    """
     error = setpoint - reading
-    v = p.ff * setpoint + p.kp * error + integral
+    v = share * (p.ff * setpoint + p.kp * error) + integral
     if abs(v) < 10.0 - p.u_zero:
-        integral += p.ki * error * 0.01
+        integral += share * p.ki * error * 0.01
     if setpoint == 0.0 and abs(reading) < 0.02 * p.w_rated:
         integral *= 0.9
     u = v + 0.95 * p.u_zero * tanh(v / 0.1)

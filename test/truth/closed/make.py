@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Write campaigns: `python -m test.truth.closed.make --circuit closed --seed 1 --count 4 -o DIR`."""
+"""Write campaigns: `python -m test.truth.closed.make --circuit closed --seed 1 -o FOLDER`."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ CHANCE = {
     'closed': {'charge_pressure': 0.7, 'motor_torque': 0.75, 'pump_torque': 0.4,
                'pump_speed': 0.5, 'pump_displacement': 0.35, 'case_drain_flow': 0.4},
     'valve': {'pump_outlet_pressure': 0.4, 'motor_torque': 0.8, 'case_drain_flow': 0.4}}
+DRIVER = ('pump_speed', 'pump_outlet_pressure')    # where measured, it may wander
+GEAR = ('gear_backlash', 'gearbox_loss')    # need one
 # a measurement that would take the effect in
 BLIND = {'pump_speed_droop': 'pump_speed', 'supply_sag': 'pump_outlet_pressure'}
 
@@ -64,6 +66,25 @@ def draw_channels(name: str, effects: list[str], rng: np.random.Generator) -> li
     return out
 
 
+def machine(sheet: dict, factor: dict[str, float], chosen: dict[str, dict], rng, detail: float,
+            channels: list[str]) -> dict[str, float]:
+    """Return all numbers of a unit and of what is hidden in it (SI), as the kernels read them."""
+    name, scale = sheet['circuit'], rigs.scales(sheet)
+    known = {**catalogue.LISTED[name], **catalogue.OUTSIDE[name]}
+    fast = 9.0 if name == 'closed' else 6.0
+    seen = any(c in channels for c in DRIVER)
+    flat = {**catalogue.blank(), **rigs.numbers(sheet, factor, rng, detail)}
+    flat.update(
+        k_visc=1.0, q_rated=scale['Q'], w_rated=scale['W'], t_rated=scale['T'],
+        w_sign=0.008 * scale['W'], ff=fast / scale['W'], kp=0.08 * fast / scale['W'],
+        ki=fast / scale['W'], droop0=(0.01 if seen else 0.0005) * detail,
+        engine_torque=scale['P'] * flat.get('d_pump', 0.0) * 1.1 + 1e-9)
+    for ident, one in chosen.items():
+        flat.update(one['si_parameters'])
+        flat[f'f_{ident}'] = float(known[ident].forms.index(one['form']))
+    return flat
+
+
 def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None, *,
                   kind: str = 'none', on_datasheet: bool = False, detail: float = 1.0,
                   noise: float = 1.0, duration: float = 40.0, forms: dict | None = None,
@@ -77,8 +98,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     name : str
         closed or valve.
     seed : int
-        Everything random follows from it; rig, unit, commands and noise do not depend on what is
-        hidden.
+        Everything random follows from it; rig, unit and commands do not depend on what is hidden
+        (but an effect of the gear needs a gear).
     effects : dict
         Identifier to relative size; None draws them by `kind`.
     on_datasheet : bool
@@ -98,52 +119,49 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     refine : int
         Divides the solver's step.
     changes : dict
-        Numbers of the unit to set (SI, see rigs.numbers), and 'sheet': a datasheet of one's own.
+        Numbers of the unit to set (SI, see machine), and 'sheet': a datasheet of one's own
+        of that circuit.
 
     """
     changes = dict(changes or {})
-    sheet = changes.pop('sheet', None) or rigs.draw(name, np.random.default_rng([seed, 1]))
-    name = sheet['circuit']
     if effects is None:
         effects = draw_effects(kind, name, np.random.default_rng([seed, 2]))
+    sheet = changes.pop('sheet', None) or rigs.draw(
+        name, np.random.default_rng([seed, 1]), any(i in GEAR for i in effects))
     scale = rigs.scales(sheet)
     chosen = catalogue.resolve(name, effects, np.random.default_rng([seed, 3]), scale, forms)
     rng = np.random.default_rng([seed, 4])
     factor = rigs.scatter(sheet, rng, on_datasheet)
     channels = channels or draw_channels(name, list(effects), np.random.default_rng([seed, 5]))
+    if 'second_displacement_cc_rev' in sheet['motor']:
+        channels = [*channels, 'motor_displacement_command']
     known = {**catalogue.LISTED[name], **catalogue.OUTSIDE[name]}
     warm = any(known[i].warm for i in effects)
     value = {k: v for one in chosen.values() for k, v in one['si_parameters'].items()}
     form = {k: one['form'] for one in chosen.values() for k in one['si_parameters']}
-    flat = {**catalogue.blank(), **rigs.numbers(sheet, factor, rng, detail), **value}
-    flat.update({f'f_{i}': float(known[i].forms.index(one['form']))
-                 for i, one in chosen.items()})
-    seen = any(c in channels for c in ('pump_speed', 'pump_outlet_pressure'))
-    fast = 9.0 if name == 'closed' else 6.0
-    flat.update(
-        q_rated=scale['Q'], w_rated=scale['W'], t_rated=scale['T'], w_sign=0.008 * scale['W'],
-        ff=fast / scale['W'], kp=fast / 3 / scale['W'], ki=1.33 * fast / scale['W'],
-        droop0=(0.01 if seen else 0.0005) * detail,
-        engine_torque=scale['P'] * flat.get('d_pump', 0.0) * 1.1 + 1e-9)
-    if 'k_visc' not in value:
-        flat['k_visc'] = 0.0 if warm else 1.0
+    flat = machine(sheet, factor, chosen, rng, detail, channels)
+    if warm and 'k_visc' not in value:
+        flat['k_visc'] = 0.0
     flat.update(changes)
+    seen = any(c in channels for c in DRIVER)
     rate = float(np.random.default_rng([seed, 6]).choice([50.0, 100.0, 200.0]))
     measured, exact, heat = {}, {}, {}
     for log in logs:
         here = np.random.default_rng([seed, 10 + work.LOGS.index(log)])
         n = int(round(duration * 1000))
-        do = work.commands(log, n, scale, here, flat['u_zero'], name)
+        do = work.commands(log, n, scale, here, flat['u_zero'], name, flat['d_second'] > 0)
         degrees = work.temperature(n, warm, here)
         fluid = work.fluidity(degrees, form.get('k_visc', 'walther'), flat['k_visc'])
         engine = work.engine(n, (0.004 if seen else 0.0003) * detail, here)
         sigma = sheet['sensors']['motor_speed']['noise_std_rpm'] * rigs.RPM * noise
         tick = here.standard_normal((n + 9) // 10) * sigma
+        d_motor = flat['d_motor'] + (flat['d_second'] - flat['d_motor']) * work.switched(
+            do['small'])
         out = KERNEL[name].run(record(flat), do['setpoint'], do['manual'], do['closed'],
                                do['rock'], do['push'], fluid, degrees, engine, tick,
-                               do['breakout'], refine)
+                               do['breakout'], d_motor, refine)
         states = {key: out[:, i] for i, key in enumerate(KERNEL[name].OUT)}
-        states.update(setpoint=do['setpoint'], temperature=degrees, noise=tick)
+        states.update(setpoint=do['setpoint'], small=do['small'], temperature=degrees, noise=tick)
         measured[log] = readings.sample(states, channels, rate, sheet, value, form, here,
                                         noise)
         exact[log] = states
@@ -156,6 +174,7 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         'depends_on': {i: one['depends_on'] for i, one in chosen.items()},
         'seed': seed, 'circuit': name, 'sizes': effects,
         'forms': {i: one['form'] for i, one in chosen.items()}, 'si_parameters': value,
+        'look_alikes': {i: catalogue.look_alikes(name, i, channels) for i in chosen},
         'scatter': factor, 'unit_on_datasheet': on_datasheet, 'detail': detail,
         'rate_hz': rate, 'channels': channels, 'oil_temperature_degC': heat}
     return Campaign(measured, truth, sheet, exact)
@@ -168,8 +187,9 @@ def write_campaign(campaign: Campaign, folder: Path) -> Path:
         np.savetxt(folder / f'{log}.csv', np.column_stack(list(columns.values())), fmt='%.8g',
                    delimiter=',', header=','.join(columns), comments='')
     (folder / 'truth.json').write_text(json.dumps(campaign.truth, indent=1) + '\n')
-    (folder / 'rig.yaml').write_text(yaml.safe_dump(
-        json.loads(json.dumps(campaign.sheet)), sort_keys=False, default_flow_style=None, width=99))
+    sheet = json.loads(json.dumps(campaign.sheet))    # no anchors of shared lists
+    text = yaml.safe_dump(sheet, sort_keys=False, default_flow_style=None, width=99)
+    (folder / 'rig.yaml').write_text(text)
     return folder
 
 
@@ -181,6 +201,7 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument('--count', type=int, default=1)
     parser.add_argument('--kind', choices=KINDS, help='drawn from the seed when not given')
     parser.add_argument('--effect', help='id, id=size, or several by comma')
+    parser.add_argument('--duration', type=float, default=40.0, help='of each log, s')
     parser.add_argument('--on-datasheet', action='store_true')
     parser.add_argument('--detail', type=float, default=1.0)
     parser.add_argument('-o', '--out', type=Path, required=True)
@@ -196,7 +217,7 @@ def main(argv: list[str] | None = None) -> None:
                 effects[ident] = float(size) if size else round(
                     float(np.exp(rng.uniform(np.log(0.5), np.log(2.0)))), 3)
         campaign = make_campaign(a.circuit, seed, effects, kind=kind, detail=a.detail,
-                                 on_datasheet=a.on_datasheet)
+                                 on_datasheet=a.on_datasheet, duration=a.duration)
         print(write_campaign(campaign, a.out / f'{i:04d}'))
 
 

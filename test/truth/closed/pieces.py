@@ -1,6 +1,10 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Compiled terms that both circuits share; `p` is the record of numbers (SI)."""
+"""
+Compiled terms that both circuits share; `p` is the record of numbers (SI).
+
+After a change here or in common.py remove __pycache__: numba looks at the caller's file alone.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ ATM = 101325.0
 @jit
 def above(x, soft):
     """Return x where it is positive and 0 below, with a corner rounded over `soft`."""
-    return 0.5 * (x + sqrt(x * x + soft * soft) - soft)
+    return 0.5 * (x + sqrt(x * x + soft * soft))
 
 
 @jit
@@ -76,14 +80,14 @@ def gaps(p, dp, w, fluid):
 
 
 @jit
-def motor_flows(p, pa, pb, w, fluid):
+def motor_flows(p, pa, pb, w, fluid, d_motor):
     """
     Return what the motors take from line A, give to line B, and drain to the case.
 
     The leakage of the sheet is split: `case_share` leaves each line for the case, the rest
     goes from line to line.
     """
-    swept = p.per_turn * p.d_motor * w
+    swept = p.per_turn * d_motor * w
     across = p.count * (1.0 - p.case_share) * gaps(p, pa - pb, w, fluid)
     case_a = p.count * p.case_share * gaps(p, pa, w, fluid)
     case_b = p.count * p.case_share * gaps(p, pb, w, fluid)
@@ -118,11 +122,11 @@ def sign(p, w):
 
 
 @jit
-def shaft_torque(p, dp, w):
+def shaft_torque(p, dp, w, d_motor):
     """Return the torque of the motors behind the gear, after their and the gear's losses."""
     turn = sign(p, w)
     w_motor = w * p.ratio
-    ideal = p.d_motor * dp
+    ideal = d_motor * dp
     one = ideal - turn * (p.m_coul + p.m_share * abs(ideal)) - p.m_visc * w_motor
     loss = 1.0 - p.gear_eta
     if p.gear_loss > 0.0:
@@ -177,13 +181,13 @@ def contact(p, twist, rate):
     """Return the torque through the gear's play (N m)."""
     half = 0.5 * p.play
     depth = abs(twist) - half
-    stiff = p.inertia * p.inertia_share * (1.0 - p.inertia_share) * 250.0 ** 2
+    stiff = p.inertia * p.inertia_share * (1.0 - p.inertia_share) * 1000.0 ** 2
     if p.f_gear_backlash == 1.0:
-        over = above(depth, 0.1 * p.play)
+        over = above(depth, 0.03 * p.play)
     else:
         over = max(depth, 0.0)
     if over <= 0.0:
         return 0.0
-    damping = 0.5 * stiff / 250.0 * min(over / (0.02 * p.play + 1e-9), 1.0)
+    damping = 0.5 * stiff / 1000.0 * min(over / (0.02 * p.play + 1e-9), 1.0)
     side = copysign(1.0, twist)
     return side * max(stiff * over + damping * rate * side, 0.0)

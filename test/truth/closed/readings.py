@@ -11,6 +11,7 @@ from .rigs import BAR, CC, L_MIN, RPM
 # channel: column of the states, unit in the header, its size in SI, unit in the key of the noise
 CHANNELS = {
     'pump_command': ('u', 'V', 1.0, None), 'valve_command': ('u', 'V', 1.0, None),
+    'motor_displacement_command': ('small', 'V', 1.0, None),
     'speed_setpoint': ('setpoint', 'rpm', RPM, None),
     'oil_temperature': ('temperature', 'degC', 1.0, 'K'),
     'line_a_pressure': ('pa', 'bar', BAR, 'bar'), 'line_b_pressure': ('pb', 'bar', BAR, 'bar'),
@@ -39,7 +40,8 @@ def ideal(channel: str, x: np.ndarray, value: dict, form: dict) -> np.ndarray:
 
 
 def sample(states: dict[str, np.ndarray], channels: list[str], rate: float, sheet: dict,
-           value: dict, form: dict, rng: np.random.Generator, noise: float) -> dict[str, np.ndarray]:
+           value: dict, form: dict, rng: np.random.Generator,
+           noise: float) -> dict[str, np.ndarray]:
     """Return the columns 'name[unit]' of a log from states per millisecond (SI)."""
     n = states['u'].size
     times = np.arange(int(n / 1000 * rate)) / rate

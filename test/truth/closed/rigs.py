@@ -32,13 +32,17 @@ def _three(x: float) -> float:
     return float(f'{x:.3g}')
 
 
-def draw(circuit: str, rng: np.random.Generator) -> dict:
-    """Return the datasheet of a rig, drawn: one of three sizes, its numbers moved a little."""
+def draw(circuit: str, rng: np.random.Generator, gear: bool = False) -> dict:
+    """
+    Return the datasheet of a rig, drawn: one of three sizes, its numbers moved a little.
+
+    With `gear` it has one; otherwise by chance, where there is one motor.
+    """
     size = list(SIZES)[int(rng.integers(3))]
     pump, rpm, lag, motor, count, ratio, inertia, charge, litres = SIZES[size]
     pump, motor = round(pump * rng.uniform(0.9, 1.1)), round(motor * rng.uniform(0.85, 1.2))
     flow = pump * rpm / 1000
-    geared = count > 1 or rng.random() < 0.6
+    geared = rng.random() < 0.6 or count > 1 or gear
     if not geared:
         motor, ratio = round(motor * ratio), 1.0
     total = motor * count * ratio
@@ -93,6 +97,8 @@ def draw(circuit: str, rng: np.random.Generator) -> dict:
             del sheet['sensors'][channel]
     own = ({'charge', 'pump'} if circuit == 'closed' else {'valve'}) | {'motor', 'line'}
     own |= {'gear'} if geared else set()
+    if rng.random() < 0.2:
+        sheet['motor']['second_displacement_cc_rev'] = round(motor / 2)
     sheet['tolerances_1_sigma_relative'] = {
         k: v for k, v in TOLERANCES.items() if k.split('.')[0] in own}
     return sheet
@@ -142,6 +148,8 @@ def numbers(sheet: dict, factor: dict[str, float], rng: np.random.Generator,
     better = f['motor.mechanical_efficiency']
     out = {
         'd_motor': motor['displacement_cc_rev'] * CC * f['motor.displacement'],
+        'd_second': motor.get('second_displacement_cc_rev', 0.0) * CC
+        * f['motor.displacement'],
         'count': count, 'ratio': ratio, 'per_turn': count * ratio,
         'gear_eta': min(gear.get('efficiency', 1.0) * f['gear.efficiency'], 1.0),
         'inertia': motor['inertia_total_kg_m2'] * f['motor.inertia'],

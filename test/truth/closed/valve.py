@@ -17,7 +17,7 @@ OUT = ('u', 'pa', 'pb', 'ps', 'w', 'torque', 'opening', 'q_drain', 'theta', 'w_s
 
 
 @jit
-def rhs(p, y, dy, aux, aim, rock, push, fluid, temperature, supply):
+def rhs(p, y, dy, aux, aim, d_motor, rock, push, fluid, temperature, supply):
     """Write the derivatives of all states, and flows and torques that are not states."""
     pa, pb, w = y[PA], y[PB], y[W]
     dy[STROKE] = delayed(p, y, dy, aim, p.extra_lag, p.f_valve_lag == 1.0)
@@ -27,7 +27,7 @@ def rhs(p, y, dy, aux, aim, rock, push, fluid, temperature, supply):
     # the overlap takes from the stroke: full opening stays where it is
     opening = stroke(y[STROKE], zero, p.corner)
     to_a, to_b = p.k_valve * max(opening, 0.0), p.k_valve * max(-opening, 0.0)
-    take, give, case = motor_flows(p, pa, pb, w, fluid)
+    take, give, case = motor_flows(p, pa, pb, w, fluid, d_motor)
     across = cross_leak(p, pa - pb, fluid)
     ps, pr = supply, 0.0
     if p.sag > 0.0:
@@ -43,14 +43,14 @@ def rhs(p, y, dy, aux, aim, rock, push, fluid, temperature, supply):
     for i in (PA, PB):
         if y[i] < -0.9e5:
             dy[i] = max(dy[i], 0.0)
-    drive, lost, load = shaft(p, y, dy, pa - pb, rock, push, temperature)
+    drive, lost, load = shaft(p, y, dy, pa - pb, d_motor, rock, push, temperature)
     aux[0], aux[1], aux[2], aux[3], aux[4] = load, opening, case, q_a, q_b
     aux[5], aux[6], aux[7], aux[8], aux[9], aux[10] = take, give, drive, lost, pr, ps
 
 
 @jit
 def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, supply, noise,
-        breakout, fraction):
+        breakout, d_motor, fraction):
     """
     Integrate one log and return one row of OUT per millisecond.
 
@@ -68,7 +68,8 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, suppl
         seen = speed_seen(p, y)
         if k % MS_PER_TICK == 0:
             if closed:
-                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral)
+                u, integral = controller(p, setpoint[k], seen + noise[k // MS_PER_TICK], integral,
+                                         d_motor[k] / p.d_motor)
             else:
                 u = manual[k]
             u = round(u * 409.6) / 409.6
@@ -83,7 +84,8 @@ def run(numbers, setpoint, manual, closed, rock, push, fluid, temperature, suppl
             if k == 0 or breakout[k - 1] == 0.0:
                 loose = y[ANGLE]
             hold += stuck_thread(breakout[k], y[ANGLE] - loose)
-        args = (behind, hold, push[k], fluid[k], temperature[k], supply[k] * p.p_supply)
+        args = (behind, d_motor[k], hold, push[k], fluid[k], temperature[k],
+                supply[k] * p.p_supply)
         rhs(p, y, dy[0], aux, *args)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u, y[PA], y[PB], aux[10]
         out[k, 4], out[k, 5], out[k, 6], out[k, 7] = dy[0, ANGLE], aux[0], aux[1], aux[2]

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import lfilter
 
 from ..profiles import roughness, viscosity_factor
 
@@ -44,12 +45,13 @@ def _overrun(n: int, direction: np.ndarray, share: float, rng) -> np.ndarray:
 
 
 def commands(log: str, n: int, scale: dict[str, float], rng,
-             dead: float, circuit: str) -> dict[str, np.ndarray | bool]:
+             dead: float, circuit: str, second: bool) -> dict[str, np.ndarray | bool]:
     """
     Return set point, command of the open loop, rock, signed torque, break-out and the loop.
 
     Speeds in rad/s, torques in N m, commands in V; `dead` is the dead band.
-    A valve is opened slower and less: full opening is more than rated speed.
+    A valve is opened slower and less: full opening is more than rated speed. With `second` the
+    motors run with their second displacement for a while, against softer rock.
     """
     setpoint = manual = breakout = np.zeros(n)
     push = np.zeros(n)
@@ -84,7 +86,12 @@ def commands(log: str, n: int, scale: dict[str, float], rng,
     rock = np.maximum(rock + rough, 0.02)
     # an overrunning phase is one without much rock
     rock = rock * (1 - np.minimum(np.abs(push) / 0.1, 1.0) * 0.85)
-    return {'setpoint': setpoint * scale['W'], 'manual': np.asarray(manual, float),
+    small = np.zeros(n)
+    if second and log in ('drilling', 'holdout'):
+        small[int(0.45 * n):int(0.7 * n)] = 10.0
+        rock = rock * np.where(small > 0, 0.45, 1.0)
+        push = push * np.where(small > 0, 0.45, 1.0)
+    return {'small': small, 'setpoint': setpoint * scale['W'], 'manual': np.asarray(manual, float),
             'rock': rock * scale['T'], 'push': push * scale['T'],
             'breakout': breakout * scale['T'], 'closed': closed}
 
@@ -110,3 +117,8 @@ def engine(n: int, wander: float, rng) -> np.ndarray:
     """Return the prime mover's relative speed without load: it wanders slowly."""
     slow = roughness(n, rng, 1.0, 4.0)
     return 1.0 + wander * np.tanh(slow)
+
+
+def switched(volts: np.ndarray, lag: float = 0.02) -> np.ndarray:
+    """Return the share of the way to the second displacement (its valve takes `lag` seconds)."""
+    return lfilter([1e-3 / lag], [1.0, 1e-3 / lag - 1.0], volts > 5.0)

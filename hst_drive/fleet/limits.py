@@ -1,0 +1,78 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""How large an effect may get: limits that a user gives; there are none else."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+import math
+
+from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
+from hst_drive.fleet.track import CHANGE, OIL
+from hst_drive.units import from_si, si_unit, to_si, UnitError
+
+Limits = dict[tuple[str, str], float]
+"""By effect and parameter, SI."""
+
+
+def read_limit(text: str, source: str = '--limit') -> tuple[tuple[str, str], float]:
+    """
+    Read 'motor_leakage.conductance=0.02 L/min/bar'.
+
+    Without a parameter it is the effect's size, without a unit a number in SI.
+
+    Raises
+    ------
+    InputError
+        One line that says what is wrong with it.
+
+    """
+    key, found, value = (part.strip() for part in text.partition('='))
+    if not found:
+        raise InputError(f"{source} '{text}': expected EFFECT=SIZE, as "
+                         "'motor_leakage=0.02 L/min/bar'")
+    return read_entry(key, value, source)
+
+
+def read_limits(content: Mapping, source: str) -> Limits:
+    """Read the mapping of a file with limits, 'motor_leakage: 0.02 L/min/bar'."""
+    return dict(read_entry(str(key), str(value), source) for key, value in content.items())
+
+
+def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], float]:
+    """Read one limit: its key and its size."""
+    if key in (OIL, f'{OIL}.{CHANGE}'):
+        return (OIL, CHANGE), _number(key, value, '1', source)
+    name, _, parameter = key.partition('.')
+    known = catalogue(everything=True)
+    if name not in known:
+        near = get_close_matches(name, [*known, OIL], n=1)
+        raise InputError(f"{source}: unknown effect '{name}'; " + (
+            f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"))
+    size = known[name].parameters[0]
+    if parameter not in ('', size.name):
+        raise InputError(f"{source}: '{key}' is not the size of {name}; what is followed is "
+                         f"'{name}.{size.name}'")
+    limit = _number(key, value, size.unit, source) - size.neutral
+    if not limit:
+        raise InputError(f"{source}: '{key}' is {value}: there the effect is not there at all")
+    return (name, size.name), limit
+
+
+def _number(key: str, text: str, expected: str, source: str) -> float:
+    number, _, unit = text.partition(' ')
+    if text.endswith('%'):
+        number, unit = text[:-1], '%'
+    unit = unit.strip() or expected
+    try:
+        value = float(number)
+        if math.isfinite(value) and (unit == expected or si_unit(unit) == si_unit(expected)):
+            # A size is a difference: an offset of its unit does not count.
+            return value if unit == expected else float(
+                to_si(value, unit) - to_si(0.0, unit))
+    except (ValueError, UnitError):
+        pass
+    example = f'{from_si(1.0, expected):g}'
+    raise InputError(f"{source}: '{key}' is '{text}', expected a number with a unit of "
+                     f"[{expected}], as '{example} {expected}'")

@@ -1,0 +1,145 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The size of the same effects on every date, also where nothing is named: what growth is told from.
+
+A diagnosis names what stands out. Before that an effect has a size as well, and a standard error.
+Forms stay as they were found once, so that sizes of different dates are of the same thing. The
+stiffness of the oil is followed too: a machine keeps its own, its oil is changed.
+"""
+from __future__ import annotations
+
+from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
+
+from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.fit import fit
+from hst_drive.diagnose.intervals import FORM, spread
+from hst_drive.diagnose.part import campaign_of
+from hst_drive.effects import catalogue
+from hst_drive.measure.run import Run
+from hst_drive.rig import Rig
+from hst_drive.units import from_si
+import numpy as np
+
+OIL = 'line.bulk_modulus'
+CHANGE = 'change'       # of the oil's stiffness, as a share
+_OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oils lie apart
+# What does to a drive what a softer oil does.
+_LIKE_OIL = {'entrained_air', 'bulk_modulus_rise', 'compressibility_flow', 'accumulator'}
+_MOST = 3               # effects that are followed on one machine
+
+Sizes = dict[str, dict[str, object]]
+
+
+class Tracked(NamedTuple):
+    """Sizes by effect, each with parameter, unit, value and standard deviation; temperature."""
+
+    sizes: Sizes
+    oil_temperature: float | None
+
+
+def track(rig: Rig, runs: Sequence[Run],
+          effects: Mapping[str, Mapping[str, float]]) -> Tracked:
+    """
+    Return the sizes of effects in the logs of a campaign.
+
+    Parameters
+    ----------
+    rig : Rig
+        The machine; its own file, if there is one.
+    runs : sequence of Run
+        The logs.
+    effects : mapping of str to mapping of str to float
+        Effects to follow, with parameters (SI) for their form.
+
+    """
+    campaign = campaign_of(rig, runs).of_logs(lambda log: True, all_to_fit=True)
+    known = {name: dict(values) for name, values in effects.items()
+             if not campaign.out_of_reach(name)}
+    # Of what is adopted the form is known, and the size is fitted.
+    campaign.adopted = {**rig.effects, **known}
+    oil = _free_oil(campaign, rig, known)
+    fitted = fit(campaign, Model(known), iterations=6, refresh=True)
+    found = spread(campaign, fitted, between_points=0.0)
+    unknowns = found.unknowns
+    values = unknowns.mix(found.vector)
+    variances = np.diag(unknowns.mix(unknowns.mix(found.covariance).T))
+    # That no machine follows a formula exactly is the same on all dates.
+    form = FORM * (unknowns.mix(found.vector) - unknowns.mix(found.before))
+    form[:unknowns.factors] = 0.0
+    sizes: Sizes = {}
+    for name, value, variance in zip(unknowns.names, values, variances - form**2):
+        if name[0]:
+            parameter = campaign.parameter(*name)
+            sizes[name[0]] = _size(parameter.name, parameter.unit, value - parameter.neutral,
+                                   variance)
+        elif oil and name[1] == OIL:
+            sizes[OIL] = _size(CHANGE, '1', np.expm1(value), variance * np.exp(2.0 * value))
+    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
+    return Tracked(sizes, float(from_si(np.nanmedian(np.concatenate(temperatures)), 'degC'))
+                   if temperatures else None)
+
+
+def _size(parameter: str, unit: str, value: float, variance: float) -> dict[str, object]:
+    return {'parameter': parameter, 'unit': unit, 'value': float(value),
+            'sigma': float(np.sqrt(max(variance, 1e-300)))}
+
+
+def _free_oil(campaign: Campaign, rig: Rig, effects: Iterable[str]) -> bool:
+    """Let the oil's stiffness be that of any oil; say whether it can be told."""
+    if rig.fingerprint is None or OIL not in campaign.tolerances or _LIKE_OIL & {
+            *effects, *rig.effects}:
+        return False
+    campaign.tolerances = {**campaign.tolerances, OIL: _OILS}
+    campaign.ties = {pair: share for pair, share in campaign.ties.items()
+                     if pair[0] == pair[1] or OIL not in pair}
+    return True
+
+
+def to_follow(rows: Sequence[dict], rig: Rig,
+              limited: Collection[str] = ()) -> dict[str, dict[str, float]]:
+    """
+    Return the effects that a machine is followed by, with parameters for their form.
+
+    What the logs do not tell apart may be named one way on one date and another on the next: the
+    name that fits most dates is taken, the form from where it was largest. Where one of them has
+    a limit and fits half of the dates, that is the name.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Of the machine's campaigns (``task.row_of``).
+    rig : Rig
+        Its file; what that has adopted is followed as well.
+    limited : collection of str
+        Effects that the user has given a limit for.
+
+    """
+    found = [entry for row in rows for entry in (row.get('diagnosis') or {}).get('effects') or []]
+    chosen = {name: dict(values) for name, values in rig.effects.items()}
+    left = [entry for entry in found if entry['id'] not in chosen]
+    while left and len(chosen) < _MOST + len(rig.effects):
+        votes: dict[str, float] = {}
+        for entry in left:
+            # Between look-alikes the one that came first most often.
+            votes[entry['id']] = votes.get(entry['id'], 0.0) + 1.01
+            for other in entry['indistinguishable_from']:
+                votes[other] = votes.get(other, 0.0) + 1.0
+        named = {entry['id'] for entry in left} | {
+            name for name in limited if votes.get(name, 0.0) >= 0.5 * len(left)}
+        best = max(sorted(named), key=lambda name: (name in limited) * len(left) + votes[name])
+        own = [_values(entry) for entry in left if entry['id'] == best] or [{
+            entry.name: entry.typical for entry in catalogue(everything=True)[best].parameters}]
+        chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
+        left = [entry for entry in left
+                if best not in (entry['id'], *entry['indistinguishable_from'])]
+    return chosen
+
+
+def _values(entry: dict) -> dict[str, float]:
+    return {**catalogue(everything=True)[entry['id']].neutral,
+            **{key: float(value['value']) for key, value in entry['parameters'].items()}}
+
+
+def _first(effect: str) -> str:
+    return catalogue(everything=True)[effect].parameters[0].name

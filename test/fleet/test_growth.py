@@ -1,0 +1,103 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Growth and what remains, on lives of sizes whose law is known in closed form."""
+from hst_drive.fleet.growth import Growth, History
+from hst_drive.fleet.laws import ACCELERATING, at, inverse, LINEAR, ONSET
+import numpy as np
+import pytest
+
+DAYS = 61.0 * np.arange(12)
+END = DAYS[-1]
+
+
+def history(law, *, days=DAYS, sigma=0.03, seed=1, temperatures=np.empty(0)):
+    """Return measured sizes of a law."""
+    noise = np.random.default_rng(seed).standard_normal(len(days))
+    return History(days, law(days) + sigma * noise, np.full(len(days), sigma), temperatures)
+
+
+def test_a_law_is_undone_by_its_inverse():
+    """And each is 0 where it begins and 1 at the end of the stretch."""
+    for kind, shape in ((LINEAR, 0.0), (ONSET, 0.4), (ACCELERATING, 3.0)):
+        places = np.linspace(0.5, 3.0, 6)
+        assert inverse(kind, shape, at(kind, shape, places)) == pytest.approx(places)
+        assert at(kind, shape, np.array([0.0, 1.0])) == pytest.approx([0.0, 1.0])
+
+
+def test_linear_wear_has_its_slope_and_its_end():
+    """The slope is that of weighted least squares; the end is where the line meets the limit."""
+    made = history(lambda day: 0.5 * day / END)
+    found = Growth(made)
+    slope, start = np.polyfit(made.days, made.values, 1)
+    assert found.kind == 'grows' and not found.jumps and found.since < 61.0
+    assert found.rate[0] < 0.5 / END < found.rate[2]
+    assert found.rate[1] == pytest.approx(slope, rel=0.1)
+    left = found.remaining(1.0)
+    assert left.middle == pytest.approx((1.0 - start) / slope, rel=0.05)
+    assert left.low < 2.0 * END < left.high and left.reached == 0.0
+
+
+def test_wear_from_some_day_on_and_accelerating():
+    late = Growth(history(lambda day: 0.6 * np.maximum(day - 300.0, 0.0) / (END - 300.0)))
+    assert late.kind == 'grows' and late.since == pytest.approx(300.0, abs=61.0)
+    faster = Growth(history(lambda day: 0.6 * np.expm1(3.0 * day / END) / np.expm1(3.0)))
+    assert faster.kind == 'accelerates'
+
+
+def test_a_repair_is_a_jump_after_which_all_begins_anew():
+    found = Growth(history(lambda day: np.where(day < 330.0, 0.7 * day / 330.0,
+                                                0.5 * (day - 330.0) / (END - 330.0))))
+    jump, = found.jumps
+    assert (jump.after, jump.before) == (305.0, 366.0) and jump.last < 0.2 * jump.first
+    assert found.kind == 'grows' and found.since > 250.0
+
+
+def test_summers_are_no_growth():
+    warm = 50.0 + 10.0 * np.sin(2.0 * np.pi * DAYS / 365.25)
+    found = Growth(history(lambda day: 0.3 + 0.2 * np.sin(2.0 * np.pi * day / 365.25),
+                           temperatures=warm))
+    assert found.kind == 'steady' and found.season > 0.9 and not found.jumps
+    both = Growth(history(lambda day: 0.3 + 0.2 * np.sin(2.0 * np.pi * day / 365.25)
+                          + 0.6 * day / END, temperatures=warm))
+    assert both.kind == 'grows' and both.rate[0] < 0.6 / END < both.rate[2]
+
+
+def test_a_size_that_gets_more_negative_grows():
+    """A sensor that reads less and less; its limit is negative, too."""
+    found = Growth(history(lambda day: -0.5 * day / END))
+    assert found.kind == 'grows'
+    assert found.remaining(-1.0).low < 2.0 * END < found.remaining(-1.0).high
+    assert np.isinf(found.remaining(1.0).low)
+
+
+def test_two_dates_are_too_few():
+    found = Growth(history(lambda day: day / END, days=DAYS[:2]))
+    assert found.kind == 'too few dates' and found.remaining(1.0) is None
+    assert Growth(history(lambda day: 0.5 + 0 * day, days=DAYS[:1])).level[1] == pytest.approx(
+        0.5, abs=0.1)
+
+
+def test_what_is_reached_is_told():
+    left = Growth(history(lambda day: 2.0 * day / END)).remaining(1.0)
+    assert left.reached > 0.99 and left.middle == END
+
+
+def test_remaining_time_lies_in_its_interval():
+    """Lives drawn by chance, of which every law, also with more scatter than is told."""
+    from bench.growth import life
+
+    hits = []
+    for seed in range(60):
+        _, made, true = life(seed)
+        left = Growth(made).remaining(1.0)
+        hits.append(left.low <= true <= left.high)
+    assert sum(hits) >= 0.9 * len(hits)
+
+
+def test_steady_sizes_are_not_told_as_growing():
+    random = np.random.default_rng(11)
+    found = [Growth(History(61.0 * np.arange(count), 0.5 * (number % 2) + 0.06
+                            * random.standard_normal(count), np.full(count, 0.05)))
+             for number, count in enumerate(random.integers(4, 16, 30))]
+    assert sum(entry.kind in ('grows', 'accelerates', 'falls') for entry in found) <= 1
+    assert sum(len(entry.jumps) for entry in found) <= 1
