@@ -52,6 +52,23 @@ def test_from_a_bag_to_the_name_of_the_effect(tmp_path, monkeypatch, capsys):
         assert size['low'] < HIDDEN < size['high']
 
 
+@pytest.mark.needs_numba
+def test_the_second_example_of_the_readme(tmp_path, monkeypatch, capsys):
+    """A closed circuit reverses with a leak, which is named."""
+    pytest.importorskip('rclpy')
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'config').symlink_to(DOCS.parent / 'config')
+    text = (DOCS.parent / 'README.md').read_text(encoding='utf-8')
+    calls = commands(text.partition('## A closed circuit')[2].partition('\n## ')[0])
+    assert [call[0] for call in calls] == ['run', 'diagnose']
+    for call in calls:
+        assert cli.main(call + ['--json', 'found.json'] * (call[0] == 'diagnose')) == 0, call
+    found, = json.loads(Path('found.json').read_text())['effects']
+    size = found['parameters']['conductance']
+    assert found['id'] == 'motor_leakage'
+    assert size['low'] < 0.06 * 1e-3 / 60.0 / 1e5 < size['high']
+
+
 def keys(document, named=False):
     """Return all keys of a document but those that are names of channels and their kind."""
     if isinstance(document, dict):
