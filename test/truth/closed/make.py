@@ -101,7 +101,9 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         Everything random follows from it; rig, unit and commands do not depend on what is hidden
         (but an effect of the gear needs a gear).
     effects : dict
-        Identifier to relative size; None draws them by `kind`.
+        Identifier to relative size; None draws them.
+    kind : str
+        Of KINDS: what is drawn.
     on_datasheet : bool
         The unit has the datasheet's numbers.
     detail : float
