@@ -86,7 +86,7 @@ def controller(p, setpoint, reading, integral, share):
 
 @jit
 def play(half, form, u, seen, z, last):
-    """Return the command behind some play, and the inner state: hard, or Bouc and Wen's."""
+    """Return the command behind a backlash or a Bouc-Wen hysteresis, and the inner state."""
     if half <= 0.0:
         return u, z
     if form == 0.0:

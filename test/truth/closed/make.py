@@ -103,7 +103,9 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     kind : str
         What is drawn where no effects are given: none, single, pair or unlisted.
     effects : dict
-        Identifier to relative size; None draws them by `kind`.
+        Identifier to relative size; None draws them.
+    kind : str
+        Of KINDS: what is drawn.
     on_datasheet : bool
         The unit has the datasheet's numbers.
     detail : float
