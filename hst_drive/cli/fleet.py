@@ -76,7 +76,8 @@ def run(args: argparse.Namespace) -> int:
     began = time.monotonic()
     try:
         lives = live(campaigns, Store(Path(args.results)), as_json, healthy=args.healthy,
-                     limited={name for name, _ in limits}, workers=args.workers, scheduler=args.scheduler, again=args.again,
+                     limited={name for name, _ in limits}, workers=args.workers,
+                     scheduler=args.scheduler, again=args.again,
                      progress=_progress(began))
     except KeyboardInterrupt:
         say(f'what is done is kept in {args.results}; the same command goes on from there')
