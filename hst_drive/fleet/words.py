@@ -9,7 +9,7 @@ import math
 
 from hst_drive.effects import catalogue
 from hst_drive.fleet.summary import (
-    AHEAD, Followed, GROWS, Machine, REACHED, STATES, Summary)
+    AHEAD, Followed, GROWS, Machine, REACHED, SOUND, STATES, Summary)
 from hst_drive.fleet.track import OIL
 from hst_drive.units import for_people
 
@@ -113,7 +113,9 @@ def of_machine(machine: Machine) -> list[str]:
     told += [f'Between {day(event.after)} and {day(event.before)}: {event.what}.'
              for event in machine.events]
     if not told:
-        told.append(machine.sentence or 'No campaign of it could be judged.')
+        told.append('Nothing found: what each campaign says stands at the end.'
+                    if machine.state == SOUND else
+                    machine.sentence or 'No campaign of it could be judged.')
     return told
 
 
