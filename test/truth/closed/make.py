@@ -100,8 +100,6 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     seed : int
         Everything random follows from it; rig, unit and commands do not depend on what is hidden
         (but an effect of the gear needs a gear).
-    kind : str
-        What is drawn where no effects are given: none, single, pair or unlisted.
     effects : dict
         Identifier to relative size; None draws them.
     kind : str
