@@ -1,6 +1,9 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A machine's fingerprint: against closed forms, and what a diagnosis sees with it."""
+import sys
+from types import SimpleNamespace
+
 from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.commission import commission, DAY_TO_DAY
 from hst_drive.diagnose.conditions import prior
@@ -55,6 +58,19 @@ def test_a_fingerprint_is_the_posterior_of_the_factors():
         assert abs(entry.factor - true) < 4 * known and not entry.test
     assert found['conditions']['oil_temperature_degC'] == pytest.approx([40.0, 40.0])
     assert made.rig['characterised_at_oil_temperature_degC'] == 40.0
+
+
+@pytest.mark.parametrize('together, refused', [('none', False), ('missing_effect', True)])
+def test_a_log_that_misleads_alone_is_judged_with_the_others(monkeypatch, together, refused):
+    """What is missing in a machine shows in all logs of it."""
+    runs = [day(1), day(2)]
+    monkeypatch.setattr(sys.modules[commission.__module__], 'diagnose', lambda rig, given, **_: (
+        SimpleNamespace(verdict=together if len(given) > 1 else 'unknown', sentence='Odd.')))
+    if refused:
+        with pytest.raises(InputError, match='cannot be commissioned as healthy: Odd.'):
+            commission(MAKE, 'make.yaml', runs)
+    else:
+        assert commission(MAKE, 'make.yaml', runs).from_logs
 
 
 @pytest.mark.parametrize('effects, celsius', [
