@@ -28,6 +28,7 @@ _CHANGES = 0.3      # s before and after the lines change their parts that are n
 _TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
 # Of a signal's usual size: no maker's sheet tells more (ISO 4409, measurement class A: 0.5 %).
 _SHEET = 0.003
+_SIZE = 95.0        # percentile of a reading's size
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -164,8 +165,9 @@ class CircuitReplay(PartReplay):
 
     def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        return {name: float(np.hypot(noise, _SHEET * self.usual(name)))
-                for name, noise in super().floor(model, seed).items()}
+        return {name: float(np.hypot(noise, _SHEET * np.percentile(
+            np.abs(self.run[name][self.counted(name)]), _SIZE) if self.counted(name).any() else 0))
+            for name, noise in super().floor(model, seed).items()}
 
     def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
                   channels: dict[str, np.ndarray], signal: str) -> np.ndarray:

@@ -87,7 +87,7 @@ class PartReplay:
         self.stamps = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
         self.unsure = 0.0
         self._missing = np.zeros(len(run), dtype=bool)
-        used = {name for name in run.channels if name in CHANNELS}
+        used = sorted(name for name in run.channels if name in CHANNELS)
         for name in used:
             if np.isfinite(run[name]).sum() < 2:
                 raise InputError(f"{run.source}: channel '{name}' has no readings; leave the "
@@ -371,5 +371,6 @@ class PartReplay:
                 # A signal that is predicted reads other noise than the one it predicts from.
                 own = self._smooth(self.noise[name] * random.standard_normal(len(self.run)), name)
                 shift = moved[name] - base[name] - own
-                power[name] += float(np.mean(shift**2)) / _DRAWS
+                judged = shift[self.counted(name)]
+                power[name] += float(np.mean(judged**2)) / _DRAWS if len(judged) else 0.0
         return {name: float(np.sqrt(value)) for name, value in power.items()}

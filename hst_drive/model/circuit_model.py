@@ -9,6 +9,7 @@ from typing import Mapping
 
 from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity
+from hst_drive.errors import InputError
 from hst_drive.model.circuit_code import code_of, Running
 from hst_drive.model.circuits import circuit_of
 from hst_drive.model.parameters import cells_of
@@ -16,7 +17,7 @@ from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
-MAX_STEP, LEAST_STEP = 2.5e-3, 5e-5     # s
+MAX_STEP, LEAST_STEP = 2.5e-3, 2e-5     # s
 _TOLD_STEP = 10e-3  # s, where all that is fast is measured
 
 
@@ -43,6 +44,12 @@ class CircuitModel(PartModel):
         super().__init__(rig, effects, factors)
         self.circuit = circuit_of(rig)
         self._numbers = self.circuit.parameters(rig)
+        self._steps = self.circuit.steps(self._numbers)
+        if self._steps[0] < LEAST_STEP:
+            raise InputError(
+                f"{rig.source}: 'circuit: {rig.circuit}' would need integration steps of "
+                f'{self._steps[0]:.1g} s, expected {LEAST_STEP:g} s or more; check the volume of '
+                'the line, the lags, the check valve and the override of the relief valve')
         self.code: Running = code_of(self.circuit, tuple(self._numbers), compiled)
         self._neutral = np.zeros(self.code.size)
         for name, effect in catalogue(everything=True).items():
@@ -105,6 +112,8 @@ class CircuitModel(PartModel):
         circuit, n = self.circuit, len(time)
         temperature = channels.get('oil_temperature', np.full(n, self.rig.characterised_at))
         known = {'viscosity_ratio': None, **channels, 'oil_temperature': temperature}
+        if circuit.complete:
+            known.update(circuit.complete(self.rig, {**channels, **told}))
         if known['viscosity_ratio'] is None:
             known['viscosity_ratio'] = self.viscosity_ratio(temperature)
         commands, inputs = (np.column_stack([
@@ -116,7 +125,7 @@ class CircuitModel(PartModel):
             if entry.name in told:
                 record[:, index], mask[index] = told[entry.name], 1
         if state is None:
-            state = self.at_rest(channels)
+            state = self.at_rest()
         if memory is None:
             memory = np.full(circuit.memory, math.nan)
         room = max(len(circuit.states), circuit.held, len(circuit.inputs),
@@ -124,8 +133,8 @@ class CircuitModel(PartModel):
         out = np.empty((n, len(circuit.quantities)))
         if max_step is None:
             fast = any(entry.start for entry in circuit.states if entry.name not in told)
-            max_step = min(max(circuit.steps(self._numbers), LEAST_STEP),
-                           MAX_STEP) if fast else _TOLD_STEP
+            max_step = min(self._steps[0], MAX_STEP) if fast else min(
+                self._steps[1], _TOLD_STEP)
         cells, layout = self._tables
         self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs, mask, record,
                       state, memory, *self._vectors(), cells, layout.copy(), max_step,
@@ -134,7 +143,7 @@ class CircuitModel(PartModel):
         return {**{entry.name: record[:, index] for index, entry in enumerate(circuit.states)},
                 **found}
 
-    def at_rest(self, channels: Mapping[str, np.ndarray]) -> np.ndarray:
+    def at_rest(self) -> np.ndarray:
         """Return the state of a drive at rest."""
         return np.array([self.parameter(entry.start) if entry.start else 0.0
                          for entry in self.circuit.states])

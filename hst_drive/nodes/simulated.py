@@ -70,7 +70,7 @@ class ClosedDrive:
         """Return the state at rest, behind it what the actuator remembers."""
         if speed:
             raise InputError('a closed circuit starts at rest: leave start_speed at 0')
-        return np.concatenate([self._model.at_rest({}),
+        return np.concatenate([self._model.at_rest(),
                                np.full(self._model.circuit.memory, math.nan)])
 
     def simulate(self, times: np.ndarray, inputs: Mapping[str, np.ndarray], state: np.ndarray
@@ -87,4 +87,7 @@ _BY_CIRCUIT = {'open': OpenDrive, 'closed': ClosedDrive}
 
 def simulated(rig: Rig, effects: Effects) -> OpenDrive | ClosedDrive:
     """Return the drive of a rig with these effects."""
+    if rig.circuit not in _BY_CIRCUIT:
+        raise InputError(f"{rig.source}: 'circuit: {rig.circuit}' cannot be played yet, only "
+                         f'{" and ".join(_BY_CIRCUIT)}; compare and diagnose read its logs')
     return _BY_CIRCUIT[rig.circuit](rig, effects)

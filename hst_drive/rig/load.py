@@ -16,8 +16,8 @@ from hst_drive.rig.fingerprint import read_fingerprint, SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
 from hst_drive.rig.schema import (
-    FACTORS, LEAKAGE, Limits, Number, OIL_TEMPERATURES, PART, SECTIONS, SENSOR_UNITS, SUFFIXES,
-    Table, TOLERANCES, TORQUE)
+    FACTORS, LEAKAGE, Limits, Number, OIL_TEMPERATURES, ONLY_IN, PART, SECTIONS, SENSOR_UNITS,
+    SUFFIXES, Table, TOLERANCES, TORQUE)
 from hst_drive.rig.shaft import at_measured_shaft
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, from_si, to_si, UNITS
@@ -74,24 +74,19 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
                          f'{", ".join(SECTIONS)}')
     if 'motor' in sections:
         sections['motor'] = at_measured_shaft(sections['motor'], sections.get('gear'))
-    pump = sections.get('pump')
-    if content.get('circuit', parts.OPEN) == parts.OPEN and pump and pump.displacement and (
-            pump.displacement.y[0] < 0):
-        raise InputError(f"{source}: 'pump.displacement_vs_command' falls below 0; a pump that "
-                         "delivers both ways needs 'circuit: closed' in the rig file")
-    if content.get('circuit', parts.OPEN) == parts.OPEN:
-        for key in content.get('tolerances_1_sigma_relative') or {}:
-            if str(key).partition('.')[0] in ('charge', 'valve'):
-                raise InputError(f"{source}: 'tolerances_1_sigma_relative.{key}' belongs to "
-                                 "another circuit; add 'circuit: closed' or 'circuit: valve', or "
-                                 'leave it out')
-    provenance = content.get('provenance') or {}
-    if not isinstance(provenance, dict):
-        raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
     circuit = content.get('circuit', parts.OPEN)
     if not isinstance(circuit, str):
         raise InputError(f"{source}: 'circuit' is {_shown(circuit)}, expected a word such as open "
                          'or closed')
+    pump = sections.get('pump')
+    if circuit == parts.OPEN and pump and pump.displacement and (
+            pump.displacement.y[0] < 0):
+        raise InputError(f"{source}: 'pump.displacement_vs_command' falls below 0; a pump that "
+                         "delivers both ways needs 'circuit: closed' in the rig file")
+    _of_its_circuit(content, circuit, source)
+    provenance = content.get('provenance') or {}
+    if not isinstance(provenance, dict):
+        raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
     _number(temperature, *OIL_TEMPERATURES, source, 'characterised_at_oil_temperature_degC',
             'degC')
@@ -104,6 +99,15 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         calibration=_factors(content.get('calibration', {}), source),
         fingerprint=read_fingerprint(content[SECTION], source) if SECTION in content else None,
         provenance=provenance, source=source, digest=digest(content))
+
+
+def _of_its_circuit(content: dict, circuit: str, source: str) -> None:
+    """Refuse sections, and tolerances of sections, that another circuit has."""
+    for key in (*content, *(content.get('tolerances_1_sigma_relative') or {})):
+        owner = ONLY_IN.get(str(key).partition('.')[0], circuit)
+        if owner != circuit and circuit in (parts.OPEN, *ONLY_IN.values()):
+            raise InputError(f"{source}: '{key}' belongs to 'circuit: {owner}', and this file is "
+                             f"of 'circuit: {circuit}'; leave it out, or change the circuit")
 
 
 def _known(mapping, allowed, source: str, where: str) -> None:

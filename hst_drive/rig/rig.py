@@ -118,7 +118,7 @@ class Motor:
     inertia: float = 0.0
     leakage: Surface = field(default_factory=nothing)
     mechanical_efficiency: Surface = field(default_factory=ideal)
-    pistons: int = 7
+    pistons: float = 7
     count: int = 1
     second_displacement: float = 0.0
     torque_loss: tuple[float, float, float] | None = None
@@ -316,6 +316,9 @@ class Rig:
 
         """
         for section in sections:
+            if getattr(self, section) is None and self.circuit != OPEN:
+                raise InputError(f"{self.source or self.name}: is of 'circuit: {self.circuit}'; "
+                                 f'{purpose} knows the open circuit only')
             if getattr(self, section) is None:
                 raise InputError(f"{self.source or self.name}: section '{section}' is missing; "
                                  f'{purpose} needs it; add it to the rig file')

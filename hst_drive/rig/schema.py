@@ -160,6 +160,11 @@ PART: dict[str, tuple[str, ...]] = {
     'line': ('bulk_modulus_Pa', 'volume_m3', 'oil_density_kg_m3', 'oil_grade'),
 }
 
+# Sections that one circuit alone has.
+ONLY_IN: dict[str, str] = {'charge': 'closed', 'cross_port_relief': 'closed',
+                           'supply': 'valve', 'valve': 'valve', 'loading': 'open',
+                           'relief_valve': 'open'}
+
 # Suffix of a sensor's keys by channel.
 SENSOR_UNITS: dict[str, tuple[str, str]] = {
     'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),

@@ -31,4 +31,4 @@ def at_measured_shaft(motor: Motor, gear: Gear | None) -> Motor:
         leakage=Surface(leakage.x, leakage.y / ratio, leakage.z * motor.count),
         mechanical_efficiency=Surface(mechanical.x, mechanical.y / ratio,
                                       mechanical.z * efficiency),
-        torque_loss=losses, pistons=round(motor.pistons * ratio))
+        torque_loss=losses, pistons=motor.pistons * ratio)

@@ -9,6 +9,7 @@ from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel, part_model
 from hst_drive.model.circuits import Circuit, circuit_of, Input, Part, State
 from hst_drive.model.circuits.base import Balance
+from hst_drive.model.circuits.closed import charged
 from hst_drive.resources import share
 from hst_drive.rig import load_rig, parse_rig
 from hst_drive.rig.yaml_file import read_yaml
@@ -107,6 +108,59 @@ def test_what_leaks_from_line_to_line_needs_no_charge():
     assert charge['motor_leakage'] > 10 * abs(charge['cross_port_leakage'])
 
 
+def test_equal_lines_exchange_no_oil_and_pass_the_play():
+    """What passes from line to line goes with their difference; play is passed about none."""
+    still = {name: np.full(3, value) for name, value in (
+        ('pump_displacement', 0.0), ('line_a_pressure', 24 * BAR), ('line_b_pressure', 24 * BAR),
+        ('motor_speed', 0.0), ('motor_angle', 0.0))}
+    time = np.arange(3.0)
+    found = {name: CircuitModel(CLOSED, effects).run(time, {}, still) for name, effects in (
+        ('none', {}), ('cross', {'cross_port_leakage': {}}), ('play', {'gear_backlash': {}}))}
+    np.testing.assert_allclose(found['cross']['speed_by_a'], found['none']['speed_by_a'])
+    angle, band = 0.02, 100.0
+    swept, storage = 2 * 3 * 560 * CC_REV, 0.0025 / 1.3e9
+    assert found['play']['a_storage'][0] * swept == pytest.approx(
+        storage + swept**2 * angle / (2 * band), rel=1e-3)
+
+
+@pytest.mark.parametrize('line_a, line_b', [(0, 0), (5, 5), (20, 20), (0, 200), (30, 200)])
+def test_the_charge_pump_gives_no_more_than_it_has(line_a, line_b):
+    """Check valves and relief share its flow; none of it comes from the relief."""
+    flow, check, override, relief = 28.8 * L_MIN, 0.05e5 / L_MIN, 0.08e5 / L_MIN, 24 * BAR
+    charge = charged(line_a * BAR, line_b * BAR, flow, relief, override, check)
+    through = sum(max(charge - line * BAR, 0.0) / check for line in (line_a, line_b))
+    assert through + max(charge - relief, 0.0) / override == pytest.approx(flow)
+
+
+@pytest.mark.parametrize('section, key, words', [
+    ('pump', 'displacement_vs_command', "key 'pump.displacement_vs_command' is missing"),
+    ('line', 'volume_m3', "key 'line.volume_m3' is missing; 'circuit: closed' needs it"),
+    ('motor', 'inertia_total_kg_m2', "key 'motor.inertia_total_kg_m2' is missing")])
+def test_numbers_that_the_equations_need_are_asked_for(section, key, words):
+    """A part may leave them out, a circuit may not."""
+    content = read_yaml(share('config', 'rig', 'closed_rig.yaml'))
+    content[section] = {name: value for name, value in content[section].items() if name != key}
+    with pytest.raises(InputError, match=words):
+        CircuitModel(parse_rig(content), compiled=False)
+
+
+def test_a_stiffer_machine_than_can_be_integrated_is_told():
+    """A line of some drops with a hard check valve."""
+    content = read_yaml(share('config', 'rig', 'closed_rig.yaml'))
+    content['line'] = {**content['line'], 'volume_m3': 1e-5}
+    with pytest.raises(InputError, match='would need integration steps of'):
+        CircuitModel(parse_rig(content), compiled=False)
+
+
+def test_sections_of_another_circuit_are_told():
+    """They would be ignored without a word."""
+    content = read_yaml(share('config', 'rig', 'closed_rig.yaml'))
+    with pytest.raises(InputError, match="'supply' belongs to 'circuit: valve'"):
+        parse_rig({**content, 'supply': {'pressure_bar': 200}})
+    with pytest.raises(InputError, match='knows the open circuit only'):
+        CLOSED.require('relief_valve', purpose='export')
+
+
 def test_the_integrator_agrees_with_radau():
     """Three equations: the same rates by Radau of SciPy, and a closed form."""
     rig = parse_rig({'name': 'own', 'circuit': 'own', 'motor': {
@@ -135,7 +189,7 @@ def own_circuit(monkeypatch):
         numbers=lambda rig: {'motor_displacement': rig.motor.displacement,
                              'inertia': rig.motor.inertia},
         sections=('motor',), tables={}, scaled={'motor.inertia': 'inertia'},
-        steps=lambda numbers: 1e-3,
+        steps=lambda numbers: (1e-3, 1e-3),
         states=(State('motor_speed', 'rad/s', 'inertia'), State('motor_angle', 'rad')),
         held_inputs=(Input('valve_command'),),
         inputs=(Input('pump_outlet_pressure'), Input('motor_torque')),

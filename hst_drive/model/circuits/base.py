@@ -11,9 +11,9 @@ they tell, and what the equations then say of other signals is compared with tho
 from __future__ import annotations
 
 from dataclasses import dataclass
-import math
 from typing import Callable, NamedTuple
 
+from hst_drive.errors import InputError
 from hst_drive.rig import Curve, Rig, Surface
 
 
@@ -88,12 +88,15 @@ class Circuit:
         Tables from a rig.
     scaled : dict of str to str
         What a unit may differ in (``rig.tolerances``): the parameter that it scales.
-    sections : tuple of str
+    sections, keys : tuple of str
         What the rig file must have.
     states, held_inputs, inputs, quantities, balances : tuple
         As above; what ``hold`` returns is named by the arguments between states and inputs.
     steps : callable
-        From the numbers: the longest integration step (s) that the equations bear.
+        From the numbers: the longest integration step (s) that the equations bear, and the one
+        where all states that are measured are told.
+    complete : callable, optional
+        From a rig and channels: channels that go with those that are there.
     memory : int
         Numbers that ``hold`` keeps.
 
@@ -112,7 +115,9 @@ class Circuit:
     balances: tuple[Balance, ...]
     tables: dict[str, Callable[[Rig], Curve | Surface]]
     scaled: dict[str, str]
-    steps: Callable[[dict[str, float]], float]
+    steps: Callable[[dict[str, float]], tuple[float, float]]
+    keys: tuple[str, ...] = ()
+    complete: Callable[[Rig, dict], dict] | None = None
     helpers: tuple[Callable, ...] = ()
     memory: int = 4
 
@@ -132,9 +137,17 @@ class Circuit:
             If a section of the rig file is missing.
 
         """
-        rig.require(*self.sections, purpose=f"'circuit: {self.id}'")
+        for name in self.sections:
+            if getattr(rig, name) is None:
+                raise InputError(f"{rig.source}: section '{name}' is missing; 'circuit: "
+                                 f"{self.id}' needs it; add it to the rig file")
+        for key in self.keys:
+            section, _, name = key.partition('.')
+            if name not in getattr(rig, section).given:
+                raise InputError(f"{rig.source}: key '{key}' is missing; 'circuit: {self.id}' "
+                                 'needs it; add it')
         found = self.numbers(rig)
         for key, factor in rig.calibration.items():
             if key in self.scaled:
                 found[self.scaled[key]] *= factor
-        return {name: float(value) for name, value in found.items() if not math.isnan(value)}
+        return {name: float(value) for name, value in found.items()}

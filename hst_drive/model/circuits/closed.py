@@ -74,6 +74,8 @@ def charged(low, high, flow, relief, override, check_valve):
     if charge > high:
         charge = (flow + (low + high) / check_valve + relief / override) / (
             2.0 / check_valve + 1.0 / override)
+        if charge < relief:
+            charge = 0.5 * (low + high + check_valve * flow)
     return charge
 
 
@@ -92,24 +94,26 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     difference = line_a_pressure - line_b_pressure
     a_high = difference >= 0.0
     side = 1.0 if a_high else -1.0
-    pump_pressure = pressure = abs(difference)
+    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
+    # What leaks or is compressed does so at the pressure of its line, the rest at both lines'.
+    pump_pressure, pressure = max(high, 0.0), abs(difference)
     displacement, speed = abs(stroke), abs(motor_speed)
+    forwards = 1.0 if motor_speed >= 0.0 else -1.0
     flow = motor_displacement * speed
     line_drop = 0.0
     # slot line_drop
-    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
-    pressure = max(high - line_drop, 0.0)
+    # A line loses in the sense of the flow: before a hydromotor that drives, behind a braking one.
     drained, drained_low = motor_leaks(
-        pressure, max(low, 0.0), motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-        motor_displacement, p, on, cells, layout)
+        max(high - side * forwards * line_drop, 0.0), max(low, 0.0), motor_speed, motor_angle,
+        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     motor_leakage = drained
     cross_port_flow = 0.0
     # slot cross_port_flow
-    cross_port_flow += max(pump_pressure - cross_port_pressure, 0.0) * p[P_relief_gain]
+    cross_port_flow += max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain]
     pump_leakage_low = p[P_pump_leakage_scale] * interpolate2(
         max(low, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
-        max(high, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
+        pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_speed = nominal_speed
     # slot pump_speed
     if not math.isnan(pump_speed_measured):
@@ -155,8 +159,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
 
-    # Each line loses as much, whichever side drives.
-    at_motor = difference - 2.0 * line_drop * (1.0 if motor_speed >= 0.0 else -1.0)
+    at_motor = difference - 2.0 * line_drop * forwards
     motor_torque = shaft_torque(
         abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
@@ -176,18 +179,18 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     # slot pump_torque_loss
     taken = stroke * difference
     pump_torque = taken + (1.0 / interpolate2(
-        pump_pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
-    pump_torque += pump_torque_loss + p[P_charge_displacement] * settled_charge
+        pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
+    pump_torque += pump_torque_loss + p[P_charge_displacement] * held_at
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow and low < held_at + p[P_margin] else 0.0
     return (stroke_rate, a_rate, b_rate, acceleration, motor_speed,
-            stroke, (delivered - a_loss) / motor_displacement,
+            (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
             pump_torque, pump_torque * pump_speed, drained + drained_low,
-            swept + (drained if a_high else -drained), pump_speed,
+            swept + (drained if a_high else drained_low), pump_speed,
             storage / motor_displacement, -storage / motor_displacement, p[P_inertia],
-            far, -far, -far * fed, far * fed, fed, line_a_pressure, line_b_pressure, motor_speed)
+            far, -far, -far * fed, far * fed, fed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -207,13 +210,29 @@ def numbers(rig: Rig) -> dict[str, float]:
     }
 
 
+def steps(found: dict[str, float]) -> tuple[float, float]:
+    """Return the longest integration step, s, and the one where all that is fast is measured."""
+    spring = found['volume'] / found['bulk_modulus']
+    stiffest = min(found['check_valve'], 1.0 / max(2.0 * found['relief_gain'], 1e-30))
+    return min(_STEP * stiffest * spring, found['displacement_lag']), found['displacement_lag']
+
+
+def complete(rig: Rig, channels: dict) -> dict:
+    """Return the command that goes with a measured stroke where none was recorded."""
+    if 'pump_command' in channels or 'pump_displacement' not in channels:
+        return {}
+    return {'pump_command': rig.pump.command_of(channels['pump_displacement'])}
+
+
 CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, equations=equations, helpers=(charged, motor_leaks, shaft_torque), numbers=numbers,
-    sections=('pump', 'motor', 'line', 'charge'),
-    steps=lambda numbers: _STEP * (numbers['check_valve'] * numbers['volume']
-                                   / numbers['bulk_modulus']),
+    sections=('pump', 'motor', 'line', 'charge'), complete=complete,
+    keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
+          'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
+          'line.volume_m3', 'line.bulk_modulus_Pa'),
+    steps=steps,
     tables={'DISPLACEMENT': lambda rig: rig.pump.displacement,
             'PUMP_LEAKAGE': lambda rig: rig.pump.leakage,
             'PUMP_EFFICIENCY': lambda rig: rig.pump.mechanical_efficiency, **TABLES},
@@ -228,11 +247,10 @@ CIRCUIT = Circuit(
     inputs=(Input('pump_speed', math.nan), Input('charge_pressure', math.nan),
             Input('oil_temperature'), Input('viscosity_ratio', 1.0), Input('motor_torque'),
             Input('opposing_torque'), Input('motor_displacement_command')),
-    quantities=('pump_displacement', 'speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
+    quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
                 'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
                 'motor_inlet_flow', 'pump_speed', 'a_storage', 'b_storage', 'inertia', 'a_high',
-                'b_high', 'a_held', 'b_held', 'fed', 'line_a_pressure', 'line_b_pressure',
-                'motor_speed'),
+                'b_high', 'a_held', 'b_held', 'fed'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),

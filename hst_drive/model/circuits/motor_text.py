@@ -29,7 +29,7 @@ def shaft_torque(pressure, side, motor_speed, motor_angle, oil_temperature, visc
     What is lost brakes, whether oil drives the shaft or the shaft the oil.
     """
     oil_density, pistons = p[P_oil_density], p[P_pistons]
-    characterised_at, pprv_command = p[P_characterised_at], 0.0
+    characterised_at = p[P_characterised_at]
     direction = smooth_sign(motor_speed * p[P_sign_scale])
     ideal = side * pressure * motor_displacement
     efficiency = p[P_motor_efficiency_scale] * interpolate2(

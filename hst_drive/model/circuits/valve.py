@@ -44,17 +44,18 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
     difference = line_a_pressure - line_b_pressure
     side = 1.0 if difference >= 0.0 else -1.0
-    pump_pressure = pressure = abs(difference)
+    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
+    pump_pressure, pressure = max(high, 0.0), abs(difference)
+    forwards = 1.0 if motor_speed >= 0.0 else -1.0
     swept = motor_displacement * motor_speed
     flow = abs(swept)
     line_drop = 0.0
     # slot line_drop
     back_pressure = 0.0
     # slot back_pressure
-    low = max(min(line_a_pressure, line_b_pressure), 0.0)
     drained, drained_low = motor_leaks(
-        pressure + low, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-        motor_displacement, p, on, cells, layout)
+        max(high - side * forwards * line_drop, 0.0), max(low, 0.0), motor_speed, motor_angle,
+        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     motor_leakage = drained
     cross_port_pressure = p[P_supply]
     cross_port_flow = 0.0
@@ -82,7 +83,7 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
         a_rate = max(a_rate, 0.0)
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
-    at_motor = difference - 2.0 * line_drop * (1.0 if motor_speed >= 0.0 else -1.0)
+    at_motor = difference - 2.0 * line_drop * forwards
     motor_torque = shaft_torque(
         abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
@@ -95,9 +96,9 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     return ((aim - opening) / lag, a_rate, b_rate, acceleration, motor_speed,
             (into_a - a_loss) / motor_displacement, -(into_b - b_loss) / motor_displacement,
             back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
-            motor_torque, drained + drained_low, swept + (drained if side > 0.0 else -drained),
+            motor_torque, drained + drained_low, swept + (drained if side > 0.0 else drained_low),
             storage / motor_displacement, -storage / motor_displacement, p[P_inertia], forth,
-            -forth, line_a_pressure, line_b_pressure, motor_speed)
+            -forth)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -110,10 +111,11 @@ def numbers(rig: Rig) -> dict[str, float]:
             'sign_scale': CONSTANTS['SIGN_WIDTH'] / (SIGN_SPEED * full)}
 
 
-def steps(found: dict[str, float]) -> float:
-    """Return the longest integration step, s."""
+def steps(found: dict[str, float]) -> tuple[float, float]:
+    """Return the longest integration step, s, and the one where all that is fast is measured."""
     steepest = found['valve_gain'] / math.sqrt(0.01 * found['supply'])
-    return _STEP * found['volume'] / found['bulk_modulus'] / steepest
+    return min(_STEP * found['volume'] / found['bulk_modulus'] / steepest,
+               found['valve_lag']), found['valve_lag']
 
 
 _LINES = ('line_a_pressure', 'line_b_pressure')
@@ -122,6 +124,8 @@ CIRCUIT = Circuit(
     title='valve circuit: supply, proportional valve, hydromotors',
     hold=hold, equations=equations, helpers=(edge, motor_leaks, shaft_torque), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
+    keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
+          'line.bulk_modulus_Pa'),
     tables={'OPENING': lambda rig: rig.valve.opening, **TABLES},
     scaled={'valve.rated_flow': 'valve_gain', 'valve.lag': 'valve_lag', **SCALED},
     states=(State('opening', '1'), State('line_a_pressure', 'Pa'),
@@ -133,7 +137,7 @@ CIRCUIT = Circuit(
             Input('motor_displacement_command')),
     quantities=('speed_by_a', 'speed_by_b', 'a_return', 'b_return', 'motor_torque',
                 'case_drain_flow', 'motor_inlet_flow', 'a_storage', 'b_storage', 'inertia',
-                'forth', 'back', 'line_a_pressure', 'line_b_pressure', 'motor_speed'),
+                'forth', 'back'),
     balances=(
         Balance('feeding edge', 'motor_speed', 'flow', 'm^3/s',
                 'oil between valve and hydromotor',
