@@ -77,6 +77,10 @@ SLOTS: dict[str, Slot] = {
     'torque_reading': Slot('sensor', 'N.m', 'added to the torque reading'),
 }
 
+# Places that the open circuit has not.
+OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'gear_twist',
+                               'valve_command', 'valve_lag'})
+
 # What an effect may read: name -> unit. Constants of the rig stand beside signals.
 READABLE: dict[str, str] = {
     'displacement': 'm^3/rad', 'pump_speed': 'rad/s', 'pump_pressure': 'Pa', 'pressure': 'Pa',

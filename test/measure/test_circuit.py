@@ -4,7 +4,7 @@
 import json
 
 from hst_drive.bag import read_log
-from hst_drive.diagnose import diagnose
+from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
 from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.compare import compare, model_of

@@ -14,7 +14,7 @@ import math
 from typing import Mapping, NamedTuple
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import Effect, Parameter, READABLE
+from hst_drive.effects.base import Effect, OF_OTHER_CIRCUITS, Parameter, READABLE
 from hst_drive.measure.online.calibration import Calibration, LIMIT
 from hst_drive.measure.online.residuals import Block
 from hst_drive.model.arrays import evaluate
@@ -69,7 +69,8 @@ class Signatures:
 
     def __init__(self, rig: Rig):
         tried = {name: effect for name, effect in catalogue().items()
-                 if effect.searched == 'always' and not effect.both_ways}
+                 if effect.searched == 'always' and not effect.both_ways
+                 and effect.slot not in OF_OTHER_CIRCUITS}
         self._adopted = rig.effects
         self.unseen = tuple(name for name, effect in tried.items()
                             if all(slot in _FAST for slot, _ in effect.terms))
