@@ -40,14 +40,14 @@ NEEDS = {
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     **dict.fromkeys(('diagnose/test_alternatives.py', 'diagnose/test_causes.py',
-                     'diagnose/test_hopes.py', 'diagnose/test_limits.py',
+                     'diagnose/test_score_test.py', 'diagnose/test_limits.py',
                      'diagnose/test_orders.py', 'diagnose/test_pairs.py',
                      'diagnose/test_phases.py', 'measure/test_circuit.py',
                      'measure/test_unjudged.py',
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
                      'diagnose/test_shapes.py', 'diagnose/test_slow_rows.py',
                      'diagnose/test_standing.py',
-                     'diagnose/test_strangers.py'), ('numba',)),
+                     'diagnose/test_unlisted.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}

@@ -7,8 +7,8 @@ from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
-from hst_drive.diagnose.hopes import hopes
 from hst_drive.diagnose.judge import contribution
+from hst_drive.diagnose.score_test import score_test
 from hst_drive.diagnose.search import at_its_end, Candidate, Search
 from hst_drive.effects import catalogue
 
@@ -116,7 +116,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     if others:
         # Beside others the best alone may be what explains those.
         fewer = search.try_all([(others, kept)], 'trying rivals')[0]
-        share = {entry: found for found, entry in hopes(search, fewer)}
+        share = {entry: found for found, entry in score_test(search, fewer)}
         singles.sort(key=lambda entry: -share[entry])
     tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike, *search.campaign.doubles(name)))
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.

@@ -20,13 +20,13 @@ from typing import Callable, Container, Iterator, NamedTuple
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_limit, Fit, fit, score
-from hst_drive.diagnose.limits import limited, relieves
-from hst_drive.diagnose.nameless import (
+from hst_drive.diagnose.free_forms import (
     as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
+from hst_drive.diagnose.limits import limited, relieves
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.strangers import Stranger
+from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.measure.run import CHANNELS
@@ -63,7 +63,7 @@ class _Cause(NamedTuple):
     frees: str = ''
 
 
-def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:
+def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted | None:
     """
     Return the cause that explains alone what a set does, or more; None if there is none.
 
@@ -96,7 +96,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Stranger
             said = 'more' if left or not best.names else (
                 f"as much as {' and '.join(best.names)} together" if len(best.names) > 1 else
                 f'more than {best.names[0]}')
-            return Stranger(f'{trial.what} alone explains {said}',
+            return Unlisted(f'{trial.what} alone explains {said}',
                             told_as(search.campaign, lambda: search.base, trial))
     return None
 

@@ -17,22 +17,22 @@ from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.judge import excess, judged
 from hst_drive.diagnose.limits import relieves
 from hst_drive.diagnose.observable import visibility
-from hst_drive.diagnose.odd_log import odd_log, several_drives
 from hst_drive.diagnose.pairs import pair_instead
 from hst_drive.diagnose.part import campaign_of
+from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.rivals import told_apart
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
-from hst_drive.diagnose.strangers import beside, strangers
+from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.diagnose.weigh import after_tests, nearly_certain
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
+from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
-from hst_drive.measure.witnesses import drifts, refuse_wrong_units
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import SECTION
 
@@ -85,11 +85,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     more = one_cause(search, best, left)
     if more:
         best = search.baseline
-    better = strangers(search, best)
+    better = unlisted_instead(search, best)
     if better:
         best = standing(search, without(search, best, better))
     left = search.unexplained(best)
-    more = more or (None if better else beside(search, best, left))
+    more = more or (None if better else unlisted_beside(search, best, left))
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
@@ -98,7 +98,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         remaining = unknowns.describe(campaign, best.fit, doubt)
     drifting = [entry for entry in drifting if entry.channel in left]
     mixed = left and not drifting
-    odd = odd_log(campaign) if mixed else None
+    odd = outlier_record(campaign) if mixed else None
     several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)

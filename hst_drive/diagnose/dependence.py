@@ -8,8 +8,8 @@ from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import Fit
+from hst_drive.diagnose.isolate import Entry, WINDOW
 from hst_drive.diagnose.judge import PRACTICAL
-from hst_drive.diagnose.places import Place, WINDOW
 from hst_drive.effects.formula import (
     FLOW, PRESSURE, REFERENCE, SPEED, TEXTS, TORQUE, WARMTH, written)
 from hst_drive.measure.run import CHANNELS
@@ -47,7 +47,7 @@ class Samples(NamedTuple):
     block: np.ndarray
 
 
-def samples(campaign: Campaign, model: Fit, place: Place, sizes: Sequence[np.ndarray],
+def samples(campaign: Campaign, model: Fit, place: Entry, sizes: Sequence[np.ndarray],
             used: Sequence[np.ndarray]) -> Samples:
     """Gather the samples of all logs, thinned."""
     logs = [_variables(campaign, model, index) for index in range(len(campaign.replays))]
@@ -226,7 +226,7 @@ def _spread(matrix: np.ndarray, values: np.ndarray, fitted: np.ndarray,
     return np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
 
 
-def expression(place: Place, terms: Sequence[dict]) -> str:
+def expression(place: Entry, terms: Sequence[dict]) -> str:
     """Return the formula as text."""
     if not terms:
         return f'{place.name} [{place.unit}]: no formula of few terms holds on held-out data'

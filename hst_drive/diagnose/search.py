@@ -14,11 +14,11 @@ from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
-from hst_drive.diagnose.hopes import hopes
 from hst_drive.diagnose.judge import (
     contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
 from hst_drive.diagnose.phases import in_step
+from hst_drive.diagnose.score_test import score_test
 from hst_drive.diagnose.shapes import settled, shapes_of
 from hst_drive.diagnose.starts import starts
 from hst_drive.effects import catalogue
@@ -237,7 +237,7 @@ class Search:
         Effects are tried that may move the signals as what is left does; ``least`` is the share
         of its square that such a move must take away.
         """
-        likely = sorted(hopes(self, candidate), reverse=True)[:_SHORTLIST]
+        likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
         found = self.try_all([((*candidate.names, name), candidate.fit.model)
                               for hope, name in likely if hope >= least],
                              f'fitting {len(candidate.names) + 1} effects together')

@@ -3,7 +3,7 @@
 """
 When no listed effect explains the data: where the error enters, on what it depends, a formula.
 
-The place and the size over time come from ``places``, the dependence and the terms from
+The place and the size over time come from ``isolate``, the dependence and the terms from
 ``dependence``. Terms of what the drive knows at every instant are then put into the model as an
 effect and fitted anew: what that gains on held-out data is what the formula is worth.
 """
@@ -16,10 +16,10 @@ from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, Samples, samples, STATIC)
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
+from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
 from hst_drive.diagnose.judge import gain, judged, PRACTICAL, unexplained
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
-from hst_drive.diagnose.places import locate, only_read, Place, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
 import numpy as np
@@ -103,7 +103,7 @@ def _by_command(data: Samples, depends: Sequence[str], terms: Sequence[dict]) ->
     return moving or tuple(depends) == ('pump_command',)
 
 
-def _reading(place: Place, terms: Sequence[dict], factor: float) -> tuple[Place, list[dict]]:
+def _reading(place: Entry, terms: Sequence[dict], factor: float) -> tuple[Entry, list[dict]]:
     """Return the place and the terms of a pressure reading instead of a torque."""
     scaled = [{**term, 'coefficient': -term['coefficient'] * factor,
                'low': -term['high'] * factor, 'high': -term['low'] * factor} for term in terms]

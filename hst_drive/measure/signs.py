@@ -30,7 +30,7 @@ _TOLD = 0.05        # of a signal, rms: an error below tells nothing
 _MENDED = 0.7       # of the error, rms, may stay with the right sign: half of its square
 _ALIKE = 1.5        # times the least error: channels between which these logs cannot tell
 _MOST = 0.5         # of a torque: no machine loses more
-_OFF = 0.1          # of a reading: a sensor that is off by more is refused by its witnesses
+_OFF = 0.1          # of a reading: a sensor that is off by more is refused by the other sensors
 _BRAKES = 0.98      # of the rows
 
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from hst_drive.measure.compare import Comparison, LogComparison
 from hst_drive.measure.errors import ErrorSummary
+from hst_drive.measure.plausibility import drifts, unit_doubts
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.where import Region, TRANSIENT
-from hst_drive.measure.witnesses import drifts, unit_doubts
 from hst_drive.report.terminal import table
 from hst_drive.rig import Rig
 from hst_drive.units import difference_from_si, from_si

@@ -8,7 +8,7 @@ from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.phases import in_step
 from hst_drive.diagnose.search import Search
-from hst_drive.diagnose.strangers import beside
+from hst_drive.diagnose.unlisted import unlisted_beside
 from hst_drive.measure.compare import compare
 from hst_drive.model import Drive
 from hst_drive.model.drive import turned
@@ -49,7 +49,7 @@ def test_ripple_is_found_in_logs_that_begin_at_other_angles():
 def test_load_of_each_turn_is_found_in_logs_that_begin_at_other_angles():
     search = searched({'bit_eccentricity': 0.6})
     left = search.unexplained(search.baseline)
-    assert 'angle of the shaft' in beside(search, search.baseline, left).told
+    assert 'angle of the shaft' in unlisted_beside(search, search.baseline, left).told
 
 
 @pytest.mark.needs_numba

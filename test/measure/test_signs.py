@@ -6,8 +6,8 @@ from pathlib import Path
 
 from hst_drive.bag import read_log
 from hst_drive.errors import InputError
+from hst_drive.measure.plausibility import refuse_wrong_units, unit_doubts
 from hst_drive.measure.run import Run
-from hst_drive.measure.witnesses import refuse_wrong_units, unit_doubts
 from hst_drive.rig import parse_rig
 import numpy as np
 import pytest

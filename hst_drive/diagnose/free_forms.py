@@ -16,11 +16,11 @@ from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
-# Standard errors: more than for an effect of the list, since a stranger has a freer form and is
+# Standard errors: more than for an effect of the list, since it has a freer form and is
 # judged on what it was fitted to as well.
 _SURE = 5.0
 REST = 0.1         # of the excess squared error: what a formula in the place of others may leave
-_DEARER = 3.0           # times what other signals lose: a stranger need not be right in all
+_DEARER = 3.0           # times what other signals lose: it need not be right in all
 PATIENT = 8             # steps of a fit that gets the same chance as another
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hst_drive.bag import read_log
 from hst_drive.errors import InputError
-from hst_drive.measure.witnesses import drifts, refuse_wrong_units, unit_doubts
+from hst_drive.measure.plausibility import drifts, refuse_wrong_units, unit_doubts
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest

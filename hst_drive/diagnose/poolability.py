@@ -13,13 +13,13 @@ from __future__ import annotations
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.causes import misreadings
 from hst_drive.diagnose.fit import calibrated, Fit, fit
+from hst_drive.diagnose.free_forms import faint, PATIENT
 from hst_drive.diagnose.judge import unexplained
-from hst_drive.diagnose.nameless import faint, PATIENT
 
 _FEWEST = 3     # recordings: of two nobody could tell which is odd
 
 
-def odd_log(campaign: Campaign) -> tuple[int, str] | None:
+def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
     """Return the number of the odd recording and what is different there, if one is."""
     if len(campaign.replays) < _FEWEST:
         return None

@@ -20,7 +20,7 @@ import numpy as np
 _NO_LAG = 1e-3      # s: a pump that the datasheet gives no lag
 
 
-class Answer(NamedTuple):
+class Timing(NamedTuple):
     """
     A way to answer: ``change(campaign, replay, number)`` changes a copy of one log's replay.
 
@@ -38,21 +38,21 @@ class Answer(NamedTuple):
     depends_on: str = 'pump_command'
 
 
-def answering(campaign: Campaign, answer: Answer, number: float) -> Campaign:
+def with_timing(campaign: Campaign, timing: Timing, number: float) -> Campaign:
     """Return the campaign with a drive that answers in this way."""
     changed = campaign.copied()
     for replay in changed.replays:
-        answer.change(campaign, replay, number)
+        timing.change(campaign, replay, number)
     return changed
 
 
 def _of_the_pump(change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray],
-                 told: Callable[[float], str], *more: Any) -> Answer:
+                 told: Callable[[float], str], *more: Any) -> Timing:
     def changed(campaign: Campaign, replay: Any, number: float) -> None:
         command = change(campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)
         replay.inputs = {**replay.inputs, 'pump_command': command}
 
-    return Answer(changed, told, *more)
+    return Timing(changed, told, *more)
 
 
 def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> np.ndarray:
@@ -70,14 +70,14 @@ def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
     return pump.command_of(np.append(needed, aims[-1]))
 
 
-def reads_late(signal: str) -> Answer:
+def reads_late(signal: str) -> Timing:
     """Return a sensor whose reading lags."""
     def changed(campaign: Campaign, replay: Any, lag: float) -> None:
         replay.readings = copy.copy(replay.readings)
         replay.readings.lags = {signal: lag}
 
     title = CHANNELS[signal].title
-    return Answer(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms in the reading of {title}',
+    return Timing(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms in the reading of {title}',
                   (1e-3, 1.0), 1e-3, '', 'sensor', signal, signal)
 
 

@@ -1,9 +1,9 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Sensors against each other: a wrong unit, a wrong sign, a reading that drifts.
+Sensor plausibility by analytical redundancy: a wrong unit, a wrong sign, a reading that drifts.
 
-Three witnesses tell the flow (pump command, flow meter, speed) and three the load (PPRV command,
+Three channels tell the flow (pump command, flow meter, speed) and three the load (PPRV command,
 torque, pressure), each within what a drive's losses can be. Where two agree and one is off by a
 factor, or parts from both as time passes, it is that one's sensor, unit or clock, and no physics.
 """
@@ -21,9 +21,9 @@ import numpy as np
 
 _BLOCK = 2.0            # s over which readings are taken together
 _FEW = 8                # blocks: fewer tell nothing
-_HIGH = 90.0            # percentile that stands for a witness's size
+_HIGH = 90.0            # percentile that stands for a sensor's size
 _LOW = 0.15             # of it: below, losses outweigh what they are losses of
-_AGREE = 1.4            # ratio of two witnesses that agree
+_AGREE = 1.4            # ratio of two sensors that agree
 _FLOW, _LOAD = 1.7, 2.5     # ratio that no tolerance makes
 _LOST = 8.0             # ratio that no loss, no worn valve and no dead band makes
 _LEAST = 0.05           # of what the rig can do: less is idling or standstill and tells nothing
@@ -36,7 +36,7 @@ _APART = 0.15           # of the time that load and oil must leave unexplained
 _WARMS = 1.0            # K: less is noise
 _ALONE = 0.3            # of its drift: what the others may part from each other
 _COMMANDS = ('pump_command', 'pprv_command')
-_LOSSY = ('motor_speed', *PRESSURES)    # losses lie between them and their other witnesses
+_LOSSY = ('motor_speed', *PRESSURES)    # losses lie between them and their other sensors
 
 # What one unit reads when it is taken for the usual one of its quantity.
 _UNITS: dict[str, dict[str, float]] = {
@@ -53,7 +53,7 @@ _UNITS: dict[str, dict[str, float]] = {
 
 class Group(NamedTuple):
     """
-    Witnesses of one quantity by channel, SI, one value a block.
+    Sensors of one quantity by channel, SI, one value a block.
 
     ``beyond`` is the ratio that no tolerance makes, ``least`` the size that tells something,
     ``conditions`` is what losses depend on.
@@ -121,7 +121,7 @@ def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
 
 
 def _groups(rig: Rig, run: Run) -> list[Group]:
-    """Return the witnesses that rig and recording give."""
+    """Return the sensors that rig and recording give."""
     changes = np.flatnonzero(np.diff((run.time - run.time[0]) // _BLOCK)) + 1
     edges = [0, *changes.tolist(), len(run)]
 
@@ -172,7 +172,7 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
 def _loading_unit(rig: Rig) -> LoadingUnit | None:
     try:
         return LoadingUnit.of(rig.loading) if rig.loading else None
-    except ValueError:      # a table that gives no command for a torque: no witness
+    except ValueError:      # a table that gives no command for a torque: no sensor
         return None
 
 
@@ -182,7 +182,7 @@ def _median(values: np.ndarray) -> float:
 
 
 def _ratio(a: np.ndarray, b: np.ndarray) -> float:
-    """Return the median ratio of two witnesses where the second is not small; NaN if nowhere."""
+    """Return the median ratio of two sensors where the second is not small; NaN if nowhere."""
     good = np.isfinite(a) & np.isfinite(b)
     if good.sum() < _FEW:
         return np.nan
@@ -197,7 +197,7 @@ def _alike(ratio: float) -> bool:
 
 
 def _factor(group: Group, sure: bool = False) -> list[str]:
-    """Tell which witness is off by a factor from two that agree."""
+    """Tell which sensor is off by a factor from two that agree."""
     names = list(group.values)
     for name in names:
         others = [other for other in names if other != name]
@@ -223,7 +223,7 @@ def _factor(group: Group, sure: bool = False) -> list[str]:
 
 
 def _made_by_losses(name: str, beyond: float) -> tuple[float, float]:
-    """Return the ratios to the other witnesses between which a drive, not a sensor, may be off."""
+    """Return the ratios to the other sensors between which a drive, not a sensor, may be off."""
     low = _LOST if name in (*_COMMANDS, 'motor_speed') else beyond
     high = _LOST if name in (*_COMMANDS, *PRESSURES) else beyond
     return 1 / low, high
@@ -244,7 +244,7 @@ def _unit_of(name: str, ratio: float) -> str:
 
 
 def _drift(group: Group) -> list[Drift]:
-    """Tell which witness parts from two others as time passes, whatever load and oil do."""
+    """Tell which sensor parts from two others as time passes, whatever load and oil do."""
     names = list(group.values)
     if len(names) < 3:
         return []
@@ -268,7 +268,7 @@ def _drift(group: Group) -> list[Drift]:
 
 def _trend(group: Group, name: str, other: str) -> tuple[float, float]:
     """
-    Return how far two witnesses part within the log, and by how many standard deviations.
+    Return how far two sensors part within the log, and by how many standard deviations.
 
     What goes with load, speed and oil temperature is taken away first: what time alone explains
     counts.

@@ -5,31 +5,31 @@ What is not listed, tried in the place of what was found.
 
 A listed effect may imitate one that nobody has listed nearly down to the noise: a drive that
 slows down under load the oil that leaks with the command, a lag a dead time. So each effect found
-is replaced by a stranger at the same place that is freer than any single effect, and fitted anew.
-Whatever form the effect has on the machine, its own formula is about as good as the stranger; only
-where the stranger is clearly better, by more than formulas are off machines, the name is wrong.
+is replaced by a form at the same place that is freer than any single effect, and fitted anew.
+Whatever form the effect has on the machine, its own formula is about as good as the free one; only
+where the free one is clearly better, by more than formulas are off machines, the name is wrong.
 """
 from __future__ import annotations
 
 from typing import Callable, Container, Iterator, NamedTuple
 
-from hst_drive.diagnose.answers import (
-    Answer, answering, DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late)
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.nameless import (
+from hst_drive.diagnose.free_forms import (
     as_much, beaten, fitted_freer, Freer, much_left, REST, share_of, sure, told_as, Trial)
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.standing import without
+from hst_drive.diagnose.timing import (
+    DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-_ROUNDS = 2             # of the answer and the unit in turn
+_ROUNDS = 2             # of the timing and the unit in turn
 _REST_OF_LATE = 0.25    # of the excess squared error: rough rock is not read back from a late one
 _WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 # Slot of an effect: what is tried in its place.
@@ -58,7 +58,7 @@ _BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
                 (('torque', 'cosine'), ('torque', 'sine')))
 
 
-class Stranger(NamedTuple):
+class Unlisted(NamedTuple):
     """
     Something that is not listed, which fits better than an effect in its place.
 
@@ -70,14 +70,14 @@ class Stranger(NamedTuple):
     unknown: Unknown | None
 
 
-def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
+def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
     """
     Return the effects of a set in whose place something fits better that is not listed.
 
     Logs of a part of the drive are left out: they are judged balance by balance, each with few
     signals, where anything freer fits better.
     """
-    found: dict[str, Stranger] = {}
+    found: dict[str, Unlisted] = {}
     if isinstance(search.campaign, PartCampaign):
         return found
     for name in best.names:
@@ -88,13 +88,13 @@ def strangers(search: Search, best: Candidate) -> dict[str, Stranger]:
             continue
         trial = min(trials, key=lambda item: score(search.campaign, item.fit))
         if gained := sure(search, best, trial.fit):
-            found[name] = Stranger(
+            found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place leaves {share_of(gained)}',
                 told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best)
 
 
-def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
+def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     """Return the effects in whose common place what goes with the oil's warmth fits better."""
     names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
     if len(names) < 2 or not _WARMED_UP <= np.ptp(np.concatenate(
@@ -116,11 +116,11 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Stranger]:
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
     more = f'leaves {share_of(gained)}' if gained else 'explains as much alone'
-    return dict.fromkeys(names, Stranger(
+    return dict.fromkeys(names, Unlisted(
         f'together come near, but {trial.what} in their place {more}', unknown))
 
 
-def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | None:
+def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Unlisted | None:
     """
     Return what fits better beside a set and is not listed; None if nothing does.
 
@@ -136,7 +136,7 @@ def beside(search: Search, best: Candidate, left: Container[str]) -> Stranger | 
         # Who says better what is left than its place and a formula do explains it.
         rest = _REST_OF_LATE if told and told.enters == 'sensor' else REST
         if gained and not (told and left and much_left(search, best, trial.fit, rest)):
-            return Stranger(f'{trial.what} leaves {share_of(gained)}', told)
+            return Unlisted(f'{trial.what} leaves {share_of(gained)}', told)
     return None
 
 
@@ -187,25 +187,25 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
     if SLOTS[catalogue()[name].slot].enters != 'pump actuator':
         return []
     model = best.fit.model.without(name)
-    return [_answered(search, best.fit._replace(model=model), answer)
-            for answer in (DEAD_TIME, ONE_WAY_SLOWER)]
+    return [_answered(search, best.fit._replace(model=model), timing)
+            for timing in (DEAD_TIME, ONE_WAY_SLOWER)]
 
 
-def _answered(search: Search, fitted: Fit, answer: Answer) -> Trial:
-    """Fit a way to answer, and the unit, in turn."""
+def _answered(search: Search, fitted: Fit, timing: Timing) -> Trial:
+    """Fit a timing, and the unit, in turn."""
     campaign, number = search.campaign, 0.0
     for _ in range(_ROUNDS):
-        number = minimize_scalar(_cost_of(campaign, fitted.model, answer), bounds=answer.bounds,
-                                 method='bounded', options={'xatol': answer.resolved}).x
-        fitted = fit(answering(campaign, answer, number), fitted.model, known=search.factors)
-    what = answer.told(number)
-    return Trial(what, fitted, Unknown(answer.enters, answer.signal or campaign.signals[0],
-                                       (answer.depends_on,), answer.where + what, (), 0.0))
+        number = minimize_scalar(_cost_of(campaign, fitted.model, timing), bounds=timing.bounds,
+                                 method='bounded', options={'xatol': timing.resolved}).x
+        fitted = fit(with_timing(campaign, timing, number), fitted.model, known=search.factors)
+    what = timing.told(number)
+    return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
+                                       (timing.depends_on,), timing.where + what, (), 0.0))
 
 
-def _cost_of(campaign: Campaign, model: Model, answer: Answer) -> Callable[[float], float]:
+def _cost_of(campaign: Campaign, model: Model, timing: Timing) -> Callable[[float], float]:
     def cost(number: float) -> float:
-        changed = answering(campaign, answer, number)
+        changed = with_timing(campaign, timing, number)
         return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
 
     return cost

@@ -37,7 +37,7 @@ _PUMP = (*_PRESSURE, 'pump_command', 'oil_temperature', 'pump_command_rate',
          'pump_command_history', 'pump_speed')
 
 
-class Place(NamedTuple):
+class Entry(NamedTuple):
     """
     A place where an unknown may enter.
 
@@ -57,7 +57,7 @@ class Place(NamedTuple):
     sign: float = 1.0
 
 
-def places(campaign: Campaign) -> list[Place]:
+def entries(campaign: Campaign) -> list[Entry]:
     """Return the places that the channels can tell apart."""
     rig = campaign.rig
     if isinstance(campaign, PartCampaign):
@@ -67,22 +67,22 @@ def places(campaign: Campaign) -> list[Place]:
     torque, displacement = 'load_torque', rig.motor.displacement
     outlet = 'motor_outlet_pressure'
     found = [
-        Place('oil delivered by the pump', 'flow', flow, 'm^3/s',
+        Entry('oil delivered by the pump', 'flow', flow, 'm^3/s',
               {flow: 1.0, speed: 1.0 / displacement}, _PUMP, 'formula_pump_flow', 'pump flow'),
-        Place('oil that turns the hydromotor', 'flow', speed, 'm^3/s',
+        Entry('oil that turns the hydromotor', 'flow', speed, 'm^3/s',
               {speed: 1.0 / displacement}, _TORQUE, 'formula_motor_flow', 'hydromotor speed',
               displacement),
-        Place('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE),
+        Entry('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE),
               'formula_flow_reading'),
-        Place('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
+        Entry('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
               _TORQUE, 'formula_torque', 'hydromotor torque'),
-        Place('return line', 'torque', outlet, 'Pa', {outlet: 1.0, pressure: 1.0}, _TORQUE),
-        Place('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
-        Place('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
+        Entry('return line', 'torque', outlet, 'Pa', {outlet: 1.0, pressure: 1.0}, _TORQUE),
+        Entry('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
+        Entry('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
               ('load_torque', *_TORQUE)),
     ]
     have = set(campaign.signals)
-    kept: list[Place] = []
+    kept: list[Entry] = []
     for place in found:
         moves = {name: move for name, move in place.moves.items() if name in have}
         # Without its partner signal a sensor's place is the same as the physical one.
@@ -93,7 +93,7 @@ def places(campaign: Campaign) -> list[Place]:
     return kept
 
 
-def _parts(campaign: PartCampaign) -> list[Place]:
+def _parts(campaign: PartCampaign) -> list[Entry]:
     """Return one place per balance of the logs of a part."""
     displacement = campaign.drive.motor_displacement
     known = {
@@ -124,17 +124,17 @@ def _parts(campaign: PartCampaign) -> list[Place]:
                 found[signal] = _of_circuit(campaign, replay.place(balance))
                 continue
             name, enters, unit, reads, formula, sign = known[balance]
-            found[signal] = Place(name, enters, signal, unit, {signal: 1.0 / sign}, reads,
+            found[signal] = Entry(name, enters, signal, unit, {signal: 1.0 / sign}, reads,
                                   formula, balance, sign)
     return list(found.values())
 
 
-def _of_circuit(campaign: PartCampaign, balance: Balance) -> Place:
+def _of_circuit(campaign: PartCampaign, balance: Balance) -> Entry:
     """Return the place of a circuit's balance."""
     reads = {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
              'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}
     sign = campaign.drive.parameter(balance.per) if balance.per else 1.0
-    return Place(balance.place, balance.enters, balance.signal, balance.unit,
+    return Entry(balance.place, balance.enters, balance.signal, balance.unit,
                  {balance.signal: 1.0 / sign}, reads.get(balance.enters, _PUMP), balance.formula,
                  balance.name, sign)
 
@@ -170,7 +170,7 @@ def only_read(campaign: Campaign, model: Fit, moves: Container[str]) -> bool:
     return all(value <= _QUIET for name, value in ratios.items() if name not in moves)
 
 
-def locate(campaign: Campaign, model: Fit) -> Place | None:
+def locate(campaign: Campaign, model: Fit) -> Entry | None:
     """Return the place whose direction holds most of the error; None if there is none."""
     errors = smooth_errors(campaign, model)
     best, most = None, 0.0
@@ -178,7 +178,7 @@ def locate(campaign: Campaign, model: Fit) -> Place | None:
     # Not where all that it moves is down to the noise while other signals are not.
     open_ = {name for name in {**kinds[0], **kinds[1]}
              if max(kind.get(name, 0.0) for kind in kinds) > AT_NOISE}
-    for place in places(campaign):
+    for place in entries(campaign):
         if open_ and not open_ & set(place.moves):
             continue
         if place.enters == 'sensor' and not (only_read(campaign, model, place.moves)
@@ -196,7 +196,7 @@ def locate(campaign: Campaign, model: Fit) -> Place | None:
 
 
 def _project(campaign: Campaign, index: int, errors: dict[str, np.ndarray],
-             place: Place) -> tuple[np.ndarray, float]:
+             place: Entry) -> tuple[np.ndarray, float]:
     """Return the size of the unknown over one log, and the weight of its square."""
     top: np.ndarray | float = 0.0
     bottom = 0.0
@@ -209,7 +209,7 @@ def _project(campaign: Campaign, index: int, errors: dict[str, np.ndarray],
 
 
 def sizes(campaign: Campaign, model: Fit,
-          place: Place) -> tuple[list[np.ndarray], list[np.ndarray]]:
+          place: Entry) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return the unknown over time in the place's unit, and which samples count, log by log."""
     errors = smooth_errors(campaign, model)
     values, counts = [], []
@@ -224,7 +224,7 @@ def sizes(campaign: Campaign, model: Fit,
     return values, counts
 
 
-def _from_balance(campaign: Campaign, model: Fit, place: Place, index: int) -> np.ndarray | None:
+def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> np.ndarray | None:
     """Return the error of the place's own balance; None if the log does not close it."""
     if not place.balance:
         return None

@@ -6,7 +6,7 @@ import re
 from bench.campaigns import as_runs
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.search import Search
-from hst_drive.diagnose.strangers import beside, strangers
+from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.effects.formula import FLOW
 import pytest
 
@@ -14,7 +14,7 @@ from ..truth import make_campaign
 
 FULL_FLOW = 20e-3 / 60  # m^3/s, at which the truth's bent meter is right again
 # Hidden in the independent plant, its form, the effect that comes nearest, and whether a
-# stranger beats that.
+# free form beats that.
 CASES = [
     ('command_leakage', 'square', 'pump_speed_droop', True),
     ('command_leakage', 'ramp', 'compressibility_flow', True),
@@ -35,7 +35,7 @@ CASES = [
 def test_imitation_is_told_from_another_form(hidden, form, named, beaten):
     made = make_campaign(41, {hidden: {'size': 1.0, 'form': form}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    found = strangers(search, search.refine(search.single(named)))
+    found = unlisted_instead(search, search.refine(search.single(named)))
     assert bool(found) is beaten
     assert set(found) <= {named}
 
@@ -44,7 +44,8 @@ def told(hidden, size, named, form=None):
     """Return what is told in the place of an effect, and what was hidden."""
     made = make_campaign(42, {hidden: {'size': size, **({'form': form} if form else {})}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    return strangers(search, search.single(named))[named].unknown, made.truth['si_parameters']
+    found = unlisted_instead(search, search.single(named))
+    return found[named].unknown, made.truth['si_parameters']
 
 
 @pytest.mark.needs_numba
@@ -88,7 +89,7 @@ def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(seed, hidd
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = strangers(search, best)
+    found = unlisted_instead(search, best)
     assert bool(found) is beaten
     if beaten:
         assert set(found) == set(best.names) and len(best.names) > 1
@@ -106,7 +107,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = strangers(search, best)
+    found = unlisted_instead(search, best)
     assert set(found) == set(best.names) and len(best.names) > 1
     unknown = found[best.names[0]].unknown
     assert (unknown.enters, unknown.signal) == ('sensor', 'load_torque')
@@ -116,7 +117,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
 def beside_nothing(hidden, **options):
     """Return what is told where no effect is searched."""
     search = Search(Campaign(*as_runs(make_campaign(43, hidden, **options))), ())
-    return beside(search, search.baseline, search.unexplained(search.baseline))
+    return unlisted_beside(search, search.baseline, search.unexplained(search.baseline))
 
 
 @pytest.mark.needs_numba
@@ -161,7 +162,7 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
     if signal == 'load_torque':
         # It goes into the replay: what it spoils there may be all that is left.
         left.pop(signal, None)
-    found = beside(search, search.baseline, left).unknown
+    found = unlisted_beside(search, search.baseline, left).unknown
     assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)

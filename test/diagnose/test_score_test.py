@@ -4,7 +4,7 @@
 from bench.campaigns import as_runs
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.fit import fit
-from hst_drive.diagnose.hopes import hopes
+from hst_drive.diagnose.score_test import score_test
 from hst_drive.diagnose.search import Search
 from hst_drive.rig import default_rig
 import pytest
@@ -26,7 +26,7 @@ def test_the_forecast_is_what_a_fit_takes_away():
     search = searched({'viscous_drag': {'coefficient': 2.0}, 'flow_sensor_scale': {
         'gain_error': 0.02}}, ('flow_sensor_scale', 'viscous_drag', 'pump_lag'))
     drag = search.refine(search.single('viscous_drag'))
-    found = {name: share for share, name in hopes(search, drag)}
+    found = {name: share for share, name in score_test(search, drag)}
     after = fit(search.campaign, drag.fit.model.with_effect(
         'flow_sensor_scale', {'gain_error': 0.01}), iterations=6)
     left = search.campaign.training(drag.fit.errors)
@@ -40,7 +40,7 @@ def test_an_effect_cannot_be_less_than_nothing(bias, hoped):
     """A gauge that reads low is no return pressure of less than nothing."""
     search = searched({'pressure_sensor_bias': {'bias': bias}},
                       ('back_pressure', 'pressure_sensor_bias'))
-    found = {name: share for share, name in hopes(search, search.baseline)}
+    found = {name: share for share, name in score_test(search, search.baseline)}
     assert found['pressure_sensor_bias'] > 0.05
     assert (found['back_pressure'] > 0.05) == hoped
 
@@ -56,6 +56,6 @@ def test_what_the_unit_can_only_do_beyond_its_tolerance_an_effect_may_do():
         'line_loss', 'pump_command_offset', 'flow_sensor_scale', 'gearbox_loss'))
     search.singles()
     line = search.refine(search.single('line_loss'))
-    likely = sorted(hopes(search, line), reverse=True)
+    likely = sorted(score_test(search, line), reverse=True)
     assert likely[0][1] == 'flow_sensor_scale'
     assert likely[0][0] > 2 * likely[1][0]

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from hst_drive.diagnose.search import Candidate, Search
 
 
-def hopes(search: Search, candidate: Candidate) -> Iterator[tuple[float, str]]:
+def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, str]]:
     """Yield what share of the squared error each effect may take away, and its name."""
     campaign, own = search.campaign, candidate.fit
     unknowns = Unknowns(campaign, own.model, shapes_of(candidate.names))
