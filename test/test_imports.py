@@ -10,14 +10,15 @@ import hst_drive
 import pytest
 
 PACKAGE = Path(hst_drive.__file__).parent
-BASE = {'as_function', 'errors', 'units'}
+BASE = {'as_function', 'channels', 'errors', 'units'}
 MODEL = BASE | {'effects', 'resources', 'rig', 'model'}
 PURE = MODEL | {'control', 'load', 'losses', 'measure'}
 ABOVE = PURE | {'bag', 'diagnose'}
 
 # Part of the package -> parts that it may import.
 MAY_IMPORT = {
-    'as_function': set(), 'errors': set(), 'units': set(), 'resources': {'errors'},
+    'as_function': set(), 'errors': set(), 'units': set(), 'channels': {'units'},
+    'resources': {'errors'},
     'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
     'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'diagnose': ABOVE,

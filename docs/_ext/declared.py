@@ -196,7 +196,7 @@ def of_balances():
     """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
     return table(('balance', 'predicts', 'from', 'the rig file has', 'not used beside'), (
         (entry.name, _either(entry.predicts), ' and '.join(map(_either, entry.needs)),
-         _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES))
+         _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES.values()))
 
 
 def of_circuits():

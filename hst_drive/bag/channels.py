@@ -40,8 +40,8 @@ import os
 from typing import Any, NamedTuple
 
 from hst_drive.bag.topics import ATMOSPHERE
+from hst_drive.channels import Channel, CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import Channel, CHANNELS
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import canonical, si_unit, to_si, UnitError
 import numpy as np

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.channels import Channel, CHANNELS
 from hst_drive.units import from_si, to_si
 
 NAMESPACE = '/drive'
@@ -95,14 +96,23 @@ DIAGNOSTIC_ARRAY = 'diagnostic_msgs/msg/DiagnosticArray'
 BOOL = 'std_msgs/msg/Bool'
 
 
-def _scalar(channel: str, unit: str, title: str, frame: str, publisher: str, **more) -> Topic:
-    return Topic(channel, VECTOR3_STAMPED, frame, publisher,
-                 (Field('vector.x', unit, title, channel),), **more)
+def _of(channel: Channel) -> Topic:
+    """Return the topic that a channel has for itself."""
+    kind, path, unit = {
+        'Pa': (FLUID_PRESSURE, 'fluid_pressure', 'Pa'),
+        'K': (TEMPERATURE, 'temperature', 'degC')}.get(
+            channel.unit, (VECTOR3_STAMPED, 'vector.x', channel.unit))
+    return Topic(channel.name, kind, channel.frame, channel.publisher, (
+        Field(path, unit, channel.title, channel.name, absolute=kind == FLUID_PRESSURE),),
+        on=channel.on)
 
 
-def _pressure(channel: str, title: str, frame: str, **more) -> Topic:
-    return Topic(channel, FLUID_PRESSURE, frame, 'plant',
-                 (Field('fluid_pressure', 'Pa', title, channel, absolute=True),), **more)
+def _joint(name: str, *more: Field) -> Topic:
+    """Return the JointState that carries some channels."""
+    carried = [channel for channel in CHANNELS.values() if channel.joint == name]
+    return Topic(name, JOINT_STATE, name, carried[0].publisher, (*more, *(
+        Field({'rad/s': 'velocity[0]', 'N.m': 'effort[0]'}[channel.unit], channel.unit,
+              channel.title, channel.name) for channel in carried)), on=carried[0].on)
 
 
 def _ratios(name: str, origin: str) -> Topic:
@@ -134,32 +144,9 @@ def _residual(name: str, unit: str, title: str, frame: str, **more) -> Topic:
 
 
 TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
-    _scalar('pump_command', 'V', 'pump displacement command', 'pump', 'controller'),
-    _scalar('pprv_command', 'V', 'PPRV command', 'pprv', 'load_profile'),
-    _scalar('speed_setpoint', 'rad/s', 'speed set point', 'motor', 'load_profile'),
-    Topic('oil_temperature', TEMPERATURE, 'oil', 'plant',
-          (Field('temperature', 'degC', 'oil temperature', 'oil_temperature'),)),
-    _pressure('pump_outlet_pressure', 'pump outlet pressure', 'pump_outlet'),
-    _pressure('line_a_pressure', 'pressure of line A', 'line_a', on=False),
-    _pressure('line_b_pressure', 'pressure of line B', 'line_b', on=False),
-    _pressure('charge_pressure', 'charge pressure', 'charge', on=False),
-    _pressure('motor_inlet_pressure', 'hydromotor inlet pressure', 'motor_inlet', on=False),
-    _pressure('motor_outlet_pressure', 'hydromotor outlet pressure', 'motor_outlet', on=False),
-    _scalar('motor_inlet_flow', 'm^3/s', 'hydromotor inlet flow', 'motor_inlet', 'plant'),
-    _scalar('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', 'plant', on=False),
-    Topic('motor', JOINT_STATE, 'motor', 'plant', (
-        Field('position[0]', 'rad', 'hydromotor angle'),
-        Field('velocity[0]', 'rad/s', 'hydromotor speed', 'motor_speed'),
-        Field('effort[0]', 'N.m', 'load torque at the torque sensor', 'load_torque'))),
-    Topic('pump', JOINT_STATE, 'pump', 'plant', (
-        Field('velocity[0]', 'rad/s', 'pump shaft speed', 'pump_speed'),), on=False),
-    _scalar('pump_displacement', 'm^3/rad', 'pump displacement', 'pump', 'plant', on=False),
-    _scalar('motor_torque', 'N.m', 'hydromotor shaft torque', 'motor', 'plant', on=False),
-    _scalar('pump_torque', 'N.m', 'pump shaft torque', 'pump', 'rig', on=False),
-    _scalar('pump_power', 'W', 'pump shaft power', 'pump', 'rig', on=False),
-    _scalar('valve_command', 'V', 'valve command', 'valve', 'rig', on=False),
-    _scalar('motor_displacement_command', 'V', 'hydromotor displacement command', 'motor', 'rig',
-            on=False),
+    *(_of(channel) for channel in CHANNELS.values() if not channel.joint),
+    _joint('motor', Field('position[0]', 'rad', 'hydromotor angle')),
+    _joint('pump'),
     _ratios('efficiency', 'from the measured signals'),
     _ratios('model_efficiency', 'from the loss model'),
     _losses('losses', 'from the measured signals'),

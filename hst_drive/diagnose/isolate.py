@@ -18,6 +18,7 @@ from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.judge import AT_NOISE
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.errors import InputError
+from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.model.circuits import Balance
@@ -96,36 +97,19 @@ def entries(campaign: Campaign) -> list[Entry]:
 def _parts(campaign: PartCampaign) -> list[Entry]:
     """Return one place per balance of the logs of a part."""
     displacement = campaign.drive.motor_displacement
-    known = {
-        'hydromotor torque': ('torque of the hydromotor', 'torque', 'N.m', _TORQUE,
-                              'formula_torque', 1.0),
-        'mass': ('torque on the mass', 'torque', 'N.m', _TORQUE, 'formula_torque', -1.0),
-        'pump flow': ('oil delivered by the pump', 'flow', 'm^3/s', _PUMP, 'formula_pump_flow',
-                      1.0),
-        'pump torque': ('torque of the pump', 'torque', 'N.m', _PUMP, '', 1.0),
-        'pump power': ('power of the pump', 'torque', 'W', _PUMP, '', 1.0),
-        'hydromotor flow': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
-                            'formula_motor_flow', -1.0),
-        'hydromotor speed': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
-                             'formula_motor_flow', displacement),
-        'flow through both': ('oil delivered by the pump', 'flow', 'm^3/s', _PUMP,
-                              'formula_pump_flow', displacement),
-        'case drain': ('oil that turns the hydromotor', 'flow', 'm^3/s', _TORQUE,
-                       'formula_motor_flow', -1.0),
-        'stroke': ('displacement of the pump', 'pump_actuator', 'm^3/rad', _PUMP, '', 1.0),
-        'return line': ('return line', 'torque', 'Pa', _TORQUE, '', 1.0),
-        'line': ('pressure lost in the line', 'torque', 'Pa', ('motor_inlet_flow', *_TORQUE), '',
-                 1.0),
-    }
     found = {}
     for replay in campaign.replays:
         for signal, balance in replay.balances.items():
             if isinstance(replay, CircuitReplay):
                 found[signal] = _of_circuit(campaign, replay.place(balance))
                 continue
-            name, enters, unit, reads, formula, sign = known[balance]
-            found[signal] = Entry(name, enters, signal, unit, {signal: 1.0 / sign}, reads,
-                                  formula, balance, sign)
+            entry = BALANCES[balance]
+            reads = (_PUMP if any('pump_command' in group for group in entry.needs)
+                     else _LOAD if entry.enters == 'load'
+                     else ('motor_inlet_flow', *_TORQUE) if entry.name == 'line' else _TORQUE)
+            sign = entry.sign * (displacement if entry.swept else 1.0)
+            found[signal] = Entry(entry.place, entry.enters, signal, entry.unit,
+                                  {signal: 1.0 / sign}, reads, entry.formula, balance, sign)
     return list(found.values())
 
 

@@ -3,13 +3,14 @@
 """Which balances a log of a part closes, and which channels would close one."""
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, Callable, Container, NamedTuple
 
-from hst_drive.measure.run import Run
+from hst_drive.measure import equations
+from hst_drive.measure.equations import PRESSURES
+from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
 import numpy as np
 
-PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 TORQUES = ('motor_torque', 'load_torque')
 SLOWEST = 0.5           # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
@@ -22,45 +23,76 @@ _STROKES = ('pump_command', 'pump_displacement', FIXED_PUMP)
 
 class Balance(NamedTuple):
     """
-    A balance: the signal that it predicts and what that takes.
+    A balance: what it predicts, by which equation, and what that takes.
 
     ``predicts`` and each entry of ``needs`` are alternatives; ``rig`` are the numbers that the
-    rig file must give, ``without`` channels that make another balance the better one.
+    rig file must give, ``without`` channels that make another balance the better one. ``enters``
+    and ``place`` say what is missing where it does not close, ``sign`` times its error, per
+    displacement of the hydromotor where ``swept``; ``formula`` which formula can carry it.
+    ``id`` is the word by which it is watched while the drive runs; without one it is not.
     """
 
     name: str
+    equation: Callable[..., Any]
     predicts: tuple[str, ...]
     needs: tuple[tuple[str, ...], ...]
     rig: tuple[str, ...]
+    enters: str
+    place: str
+    formula: str = ''
+    sign: float = 1.0
+    swept: bool = False
     without: tuple[str, ...] = ()
+    id: str = ''
+
+    @property
+    def unit(self) -> str:
+        """SI unit of what is missing."""
+        return 'm^3/s' if self.swept else CHANNELS[self.predicts[0]].unit
+
+    def channels(self, present: Container[str]) -> tuple[str, ...]:
+        """Return what it goes by: those of its alternatives that are present, the signal first."""
+        return tuple(dict.fromkeys(name for group in (self.predicts, *self.needs)
+                                   for name in group if name in present))
 
 
-BALANCES: tuple[Balance, ...] = (
-    Balance('hydromotor torque', TORQUES, (PRESSURES, ('motor_speed',)),
-            ('motor.displacement_cc_rev',)),
-    Balance('mass', ('motor_torque',), (('motor_speed',),), ('motor.inertia_total_kg_m2',),
-            PRESSURES),
-    Balance('stroke', ('pump_displacement',), (('pump_command',),),
-            ('pump.displacement_vs_command',)),
-    Balance('pump flow', ('motor_inlet_flow',),
-            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'), _STROKES), ('pump',)),
-    Balance('pump torque', ('pump_torque',), (PRESSURES[::-1], _STROKES), ('pump',)),
-    Balance('pump power', ('pump_power',),
-            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'), _STROKES), ('pump',)),
-    Balance('hydromotor flow', ('motor_inlet_flow',), (PRESSURES, ('motor_speed',)),
-            ('motor.displacement_cc_rev',)),
-    Balance('hydromotor speed', ('motor_speed',), (PRESSURES, ('motor_inlet_flow',)),
-            ('motor.displacement_cc_rev',)),
-    Balance('flow through both', ('motor_speed',),
-            (PRESSURES[::-1], ('pump_speed', 'pump.shaft_speed_rpm'),
-             ('pump_command', 'pump_displacement')), ('motor.displacement_cc_rev',),
-            ('motor_inlet_flow',)),
-    Balance('case drain', ('case_drain_flow',), (PRESSURES, ('motor_speed',)),
-            ('motor.leakage_L_min',)),
-    Balance('return line', ('motor_outlet_pressure',), (PRESSURES, ('motor_speed',)),
-            ('motor.displacement_cc_rev',)),
-    Balance('line', ('pump_outlet_pressure',), (('motor_inlet_pressure',),), ('line',)),
-)
+_SPEED, _FLOW, _DISPLACEMENT = ('motor_speed',), ('motor_inlet_flow',), (
+    'motor.displacement_cc_rev',)
+_DRIVEN, _BEFORE = ('pump_speed', 'pump.shaft_speed_rpm'), PRESSURES[::-1]
+_SWALLOWED, _PUMPED = 'oil that turns the hydromotor', 'oil delivered by the pump'
+BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
+    Balance('hydromotor torque', equations.hydromotor_torque, TORQUES, (PRESSURES, _SPEED),
+            _DISPLACEMENT, 'torque', 'torque of the hydromotor', 'formula_torque',
+            id='motor_torque'),
+    Balance('mass', equations.mass, ('motor_torque',), (_SPEED,), ('motor.inertia_total_kg_m2',),
+            'torque', 'torque on the mass', 'formula_torque', -1.0, without=PRESSURES),
+    Balance('load torque', equations.load, ('load_torque',), (('pprv_command',), _SPEED),
+            ('loading',), 'load', 'load torque', 'formula_load', id='load_torque'),
+    Balance('pump stroke', equations.stroke, ('pump_displacement',), (('pump_command',),),
+            ('pump.displacement_vs_command',), 'pump_actuator', 'displacement of the pump',
+            id='pump_displacement'),
+    Balance('pump flow', equations.pump_flow, _FLOW, (_BEFORE, _DRIVEN, _STROKES), ('pump',),
+            'flow', _PUMPED, 'formula_pump_flow', id='pump_flow'),
+    Balance('pump torque', equations.pump_torque, ('pump_torque',), (_BEFORE, _STROKES),
+            ('pump',), 'torque', 'torque of the pump'),
+    Balance('pump power', equations.pump_power, ('pump_power',), (_BEFORE, _DRIVEN, _STROKES),
+            ('pump',), 'torque', 'power of the pump'),
+    Balance('hydromotor flow', equations.hydromotor_flow, _FLOW, (PRESSURES, _SPEED),
+            _DISPLACEMENT, 'flow', _SWALLOWED, 'formula_motor_flow', -1.0, id='motor_flow'),
+    Balance('hydromotor speed', equations.hydromotor_speed, _SPEED, (PRESSURES, _FLOW),
+            _DISPLACEMENT, 'flow', _SWALLOWED, 'formula_motor_flow', swept=True),
+    Balance('flow through both', equations.flow_through_both, _SPEED,
+            (_BEFORE, _DRIVEN, _STROKES[:2]), _DISPLACEMENT, 'flow', _PUMPED,
+            'formula_pump_flow', swept=True, without=_FLOW),
+    Balance('case drain', equations.case_drain, ('case_drain_flow',), (PRESSURES, _SPEED),
+            ('motor.leakage_L_min',), 'flow', _SWALLOWED, 'formula_motor_flow', -1.0,
+            id='case_drain_flow'),
+    Balance('return line', equations.return_line, ('motor_outlet_pressure',),
+            (PRESSURES, _SPEED), _DISPLACEMENT, 'torque', 'return line'),
+    Balance('line', equations.line, ('pump_outlet_pressure',), (('motor_inlet_pressure',),),
+            ('line',), 'torque', 'pressure lost in the line', id='line_pressure'),
+)}
+WATCHED = {entry.id: entry for entry in BALANCES.values() if entry.id}
 
 
 def closed(run: Run, rig: Rig) -> dict[str, str]:
@@ -71,10 +103,10 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     predicts the speed.
     """
     found: dict[str, str] = {}
-    for balance in BALANCES:
+    for balance in BALANCES.values():
         if _missing(balance, run, rig):
             continue
-        signal = next(name for name in balance.predicts if name in run)
+        signal = balance.channels(run)[0]
         if balance.name == 'hydromotor speed' and found.get('motor_inlet_flow') != 'pump flow':
             continue
         if balance.name == 'line' and not ('motor_inlet_flow' in run or 'motor_speed' in run):
@@ -86,6 +118,11 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     return found
 
 
+def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
+    """Return the balances, by id, that some signals close while the drive runs."""
+    return {name: entry for name, entry in WATCHED.items() if not _missing(entry, signals, rig)}
+
+
 def _returns(run: Run) -> bool:
     """Say whether the outlet is a return line: none that drives, nor one that is an inlet, too."""
     inlet = next(run[name] for name in PRESSURES if name in run)
@@ -94,7 +131,7 @@ def _returns(run: Run) -> bool:
     return float(np.mean(backwards | (outlet > inlet))) < _SELDOM
 
 
-def _missing(balance: Balance, run: Run, rig: Rig) -> list[str]:
+def _missing(balance: Balance, run: Container[str], rig: Rig) -> list[str]:
     """Return what a balance lacks, as texts; empty if it is closed."""
     lacks = []
     for group in (balance.predicts, *balance.needs):
@@ -119,7 +156,7 @@ def _given(rig: Rig, key: str) -> bool:
 def what_would_close(run: Run, rig: Rig) -> str:
     """Return the line for a log that closes no balance."""
     texts = []
-    for balance in BALANCES:
+    for balance in BALANCES.values():
         lacks = _missing(balance, run, rig)
         present = len(balance.needs) + 1 - sum("'" not in text for text in lacks)
         if balance.name in ('hydromotor torque', 'hydromotor flow', 'pump flow', 'mass'):

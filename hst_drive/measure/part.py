@@ -11,16 +11,17 @@ noise is differentiated, and what is faster than the Gaussian is lost on both si
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed, is_table, PRESSURES, what_would_close
+from hst_drive.measure.balances import (
+    BALANCES, closed, is_table, TORQUES, what_would_close)
+from hst_drive.measure.equations import PRESSURES, source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.measure.start import resting
 from hst_drive.measure.turns import into_step
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
@@ -190,22 +191,20 @@ class PartReplay:
         return max(seconds / self.run.sample_time, _NARROW)
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
-        """Return the largest factor on a rate in a balance, and the channel of that rate."""
-        balance = self.balances[name]
-        if balance in ('hydromotor torque', 'mass'):
-            return model.inertia, 'motor_speed'
-        if balance in ('pump flow', 'flow through both'):
-            known = model.complete({})
-            capacity = float(model.rig.line.volume / known['bulk_modulus']) if (
-                model.rig.line) else 0.0
-            if balance == 'flow through both':
-                capacity /= max(model.motor_displacement, 1e-30)
-            return capacity, self._pump_pressure
-        return 0.0, ''
+        """Return the usual factor on a rate in a balance, and the channel of that rate."""
+        known = told(model, self._channels, self._creeping, self.inputs.get('motor_angle'))
+        source, found = '', []
 
-    @property
-    def _pump_pressure(self) -> str:
-        return next((name for name in PRESSURES[::-1] if name in self._channels), '')
+        def rate(values: np.ndarray) -> float:
+            nonlocal source
+            source = 'motor_speed' if values is known.get('motor_speed') else source_of(
+                self._channels)
+            return float(len(found))
+
+        for _ in range(2):
+            found.append(BALANCES[self.balances[name]].equation(
+                model, known, self._channels, Weak(self.run.time, np.asarray, rate)))
+        return float(np.median(np.abs(found[1] - found[0]))), source
 
     def _smooth(self, values: Any, name: str) -> np.ndarray:
         values = np.broadcast_to(np.asarray(values, dtype=float), len(self.run)).copy()
@@ -232,7 +231,7 @@ class PartReplay:
 
     def _unjudged(self, name: str) -> np.ndarray | bool:
         """Say in which rows a signal cannot be predicted."""
-        if self.balances[name] not in ('hydromotor torque', 'mass'):
+        if name not in TORQUES:
             return False
         return np.abs(self._channels['motor_speed']) <= self._creeping
 
@@ -250,113 +249,16 @@ class PartReplay:
         """
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        signals = {name: np.broadcast_to(getattr(self, f'_{balance.replace(" ", "_")}')(
-            model, self._known(model, channels), channels, name), len(self.run))
+        known = told(model, channels, self._creeping, self.inputs.get('motor_angle'))
+        signals = {name: np.broadcast_to(BALANCES[balance].equation(
+            model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
         return Prediction(signals, np.zeros(len(self.run)))
 
-    def _known(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
-        """Return what effects may read, true values instead of readings where one is off."""
-        known: dict[str, Any] = {name: channels[name] for name in (
-            'motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature')
-            if name in channels}
-        known['creeping'] = self._creeping
-        known.setdefault('oil_temperature', np.full(len(self.run), model.rig.characterised_at))
-        if 'motor_angle' in self.inputs:
-            known['motor_angle'] = self.inputs['motor_angle']
-        known = model.complete(known)
-        source = self._pump_pressure
-        if source:
-            known['pump_pressure'] = channels[source]
-            known['pump_pressure'] = channels[source] - model.terms('pressure_reading', {
-                **known, 'pressure': channels[source]})
-            known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
-            if source == 'motor_inlet_pressure':
-                known['pressure'] = known['pump_pressure']
-            if 'motor_outlet_pressure' in channels:
-                known['outlet_pressure'] = channels['motor_outlet_pressure']
-        self._add_flow(model, known, channels)
-        if source == 'pump_outlet_pressure' and 'motor_inlet_pressure' not in channels and (
-                'flow' in known):
-            known['pressure'] = known['pump_pressure'] - model.line_drop(known)
-        return known
-
-    def _add_flow(self, model: PartModel, known: dict, channels: dict) -> None:
-        if 'motor_inlet_flow' in channels:
-            reading = channels['motor_inlet_flow']
-            known['flow'] = reading - model.terms('flow_reading', {**known, 'flow': reading})
-        elif 'pressure' in known and 'motor_speed' in known and model.motor_displacement:
-            known['flow'] = (model.motor_displacement * known['motor_speed']
-                             + model.motor_leakage(known))
-
-    def _torque_reading(self, model: PartModel, known: dict, torque: np.ndarray) -> np.ndarray:
-        known = {**known, 'load_torque': torque}
-        return torque + model.terms('torque_reading', known)
-
-    def _hydromotor_torque(self, model, known, channels, name) -> np.ndarray:
-        shaft = self._smooth(model.motor_torque(known), name) - model.inertia * self._rate(
-            known['motor_speed'], name)
-        return self._torque_reading(model, known, shaft)
-
-    def _mass(self, model, known, channels, name) -> np.ndarray:
-        # Without oil all that the hydromotor's equation leaves is friction.
-        drive = self._smooth(channels.get('load_torque', 0.0) - model.motor_torque(known), name)
-        drive = drive + model.inertia * self._rate(known['motor_speed'], name)
-        return self._torque_reading(model, known, drive)
-
-    def _hydromotor_flow(self, model, known, channels, name) -> np.ndarray:
-        flow = model.motor_displacement * known['motor_speed'] + model.motor_leakage(known)
-        return flow + model.terms('flow_reading', {**known, 'flow': flow})
-
-    def _hydromotor_speed(self, model, known, channels, name) -> np.ndarray:
-        return (known['flow'] - model.motor_leakage(known)) / model.motor_displacement
-
-    def _case_drain(self, model, known, channels, name) -> np.ndarray:
-        return model.motor_leakage(known)
-
-    def _return_line(self, model, known, channels, name) -> np.ndarray:
-        return model.terms('back_pressure', known)
-
-    def _line(self, model, known, channels, name) -> np.ndarray:
-        pressure = channels['motor_inlet_pressure'] + model.line_drop(known)
-        return pressure + model.terms('pressure_reading', {**known, 'pressure': pressure})
-
-    def _stroke(self, model, known, channels, name) -> np.ndarray:
-        if self.static:
-            return model.stroke(None, channels['pump_command'], known)
-        if np.any(model.terms('pump_play', known)):
-            known = {**known, **resting(model, known, channels)}
-        return model.stroke(self.run.time, channels['pump_command'], known)
-
-    def _with_stroke(self, model, known, channels, name) -> dict[str, Any]:
-        """Return what is known, and the displacement on which the pump stands."""
-        if 'pump_displacement' in channels:
-            stroke = channels['pump_displacement']
-        elif 'pump_command' in channels and model.rig.pump.displacement is not None:
-            stroke = self._stroke(model, known, channels, name)
-        else:
-            stroke = np.full(len(self.run), model.factor(
-                'pump.displacement_vs_command') * model.rig.pump.max_displacement)
-        return {**known, 'displacement': stroke}
-
-    def _pump_torque(self, model, known, channels, name) -> np.ndarray:
-        return model.pump_torque(self._with_stroke(model, known, channels, name))
-
-    def _pump_power(self, model, known, channels, name) -> np.ndarray:
-        return self._pump_torque(model, known, channels, name) * model.pump_speed(known)
-
-    def _delivered(self, model, known, channels, name) -> np.ndarray:
-        known = self._with_stroke(model, known, channels, name)
-        return self._smooth(model.pump_flow(known), name) - self._smooth(
-            model.capacity(known), name) * self._rate(known['pump_pressure'], name)
-
-    def _pump_flow(self, model, known, channels, name) -> np.ndarray:
-        flow = self._delivered(model, known, channels, name)
-        return flow + model.terms('flow_reading', {**known, 'flow': flow})
-
-    def _flow_through_both(self, model, known, channels, name) -> np.ndarray:
-        return (self._delivered(model, known, channels, name)
-                - self._smooth(model.motor_leakage(known), name)) / model.motor_displacement
+    def _weak(self, name: str) -> Weak:
+        """Return the weak form in which a signal is compared."""
+        return Weak(None if self.static else self.run.time, partial(self._smooth, name=name),
+                    partial(self._rate, name=name))
 
     def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
         """Return the rmse, by signal, that a perfect model would show: sensors' noise alone."""

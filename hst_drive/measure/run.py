@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.units import from_si, si_unit
+from hst_drive.units import from_si
 import numpy as np
 
 _FEWEST = 8             # changes of the commands below which nothing can be told
@@ -17,50 +17,6 @@ _STEPPING = 0.9         # share of them that lies where the controller steps
 # By unit: what is beyond it is a slip of the unit or a fault code, not a hydraulic drive.
 _IMPOSSIBLE = {'V': 1e3, 'rpm': 1e5, 'degC': 1e3, 'bar': 1e4, 'L/min': 1e6, 'N.m': 1e8,
                'cc/rev': 1e6, 'kW': 1e6}
-
-
-class Channel(NamedTuple):
-    """
-    A quantity that a log may hold.
-
-    ``hold`` says what lies between two samples: commands stay ('zero'), analogue signals move
-    on a straight line ('linear').
-    """
-
-    name: str
-    display: str
-    hold: str
-    title: str
-
-    @property
-    def unit(self) -> str:
-        """SI unit."""
-        return si_unit(self.display)
-
-
-CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
-    Channel('pump_command', 'V', 'zero', 'pump displacement command'),
-    Channel('pprv_command', 'V', 'zero', 'PPRV command'),
-    Channel('speed_setpoint', 'rpm', 'zero', 'speed set point'),
-    Channel('oil_temperature', 'degC', 'linear', 'oil temperature'),
-    Channel('pump_speed', 'rpm', 'linear', 'pump shaft speed'),
-    Channel('pump_outlet_pressure', 'bar', 'linear', 'pump outlet pressure'),
-    Channel('motor_inlet_pressure', 'bar', 'linear', 'hydromotor inlet pressure'),
-    Channel('motor_outlet_pressure', 'bar', 'linear', 'hydromotor outlet pressure'),
-    Channel('motor_inlet_flow', 'L/min', 'linear', 'hydromotor inlet flow'),
-    Channel('case_drain_flow', 'L/min', 'linear', 'case drain flow'),
-    Channel('motor_speed', 'rpm', 'linear', 'hydromotor speed'),
-    Channel('load_torque', 'N.m', 'linear', 'load torque'),
-    Channel('pump_displacement', 'cc/rev', 'linear', 'pump displacement'),
-    Channel('motor_torque', 'N.m', 'linear', 'hydromotor shaft torque'),
-    Channel('pump_torque', 'N.m', 'linear', 'pump shaft torque'),
-    Channel('pump_power', 'kW', 'linear', 'pump shaft power'),
-    Channel('line_a_pressure', 'bar', 'linear', 'pressure of line A'),
-    Channel('line_b_pressure', 'bar', 'linear', 'pressure of line B'),
-    Channel('charge_pressure', 'bar', 'linear', 'charge pressure'),
-    Channel('valve_command', 'V', 'zero', 'valve command'),
-    Channel('motor_displacement_command', 'V', 'zero', 'hydromotor displacement command'),
-)}
 
 
 @dataclass(frozen=True)

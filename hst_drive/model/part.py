@@ -148,8 +148,7 @@ class PartModel:
         """Return the torque of the hydromotor without that of its inertia, N.m."""
         speed, pressure = known['motor_speed'], known.get('pressure', 0.0)
         hydraulic: Any = 0.0
-        creeping = known.get('creeping', _STEEP * CONSTANTS['SIGN_WIDTH'])
-        direction = np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
+        direction = _direction(known)
         if 'pressure' in known:
             outlet = known.get('outlet_pressure')
             highest = np.abs(pressure)
@@ -254,12 +253,35 @@ class PartModel:
         return ideal - leakage - relief - self.terms('pump_flow_loss', {
             **known, 'pump_speed': speed, 'flow': known.get('flow', ideal)})
 
+    def load_torque(self, time: np.ndarray | None, command: np.ndarray, known: Known) -> Any:
+        """Return the torque (N.m) with which the loading unit brakes; ``time`` as of stroke."""
+        loading = self.rig.loading
+        valve = self.factor('loading.pprv_pressure') * loading.pprv_pressure(command)
+        if time is not None:
+            valve = follow(time, valve, self.factor('loading.pprv_lag') * loading.pprv_lag)
+        displacement = loading.gear_ratio * loading.pump_displacement
+        pressure = np.maximum(valve + self.factor(
+            'loading.pprv_override') * loading.pprv_override * (
+                displacement * np.abs(known['motor_speed']) - loading.pprv_reference_flow), 0.0)
+        torque = pressure * displacement / (
+            self.factor('loading.pump_mechanical_efficiency')
+            * loading.pump_mechanical_efficiency(pressure))
+        torque = torque + self.terms('load_torque', {**known, 'load_torque': torque})
+        return torque * _direction(known)
+
     def capacity(self, known: Known) -> Any:
         """Return the oil that the line takes per rise of pressure, m^3/Pa; 0 without a line."""
         line = self.rig.line
         if line is None:
             return 0.0
         return line.volume * (1.0 / known['bulk_modulus'] + self.terms('compliance', known))
+
+
+def _direction(known: Known) -> Any:
+    """Return the sense of rotation, smooth where the shaft creeps."""
+    speed = known['motor_speed']
+    creeping = known.get('creeping', _STEEP * CONSTANTS['SIGN_WIDTH'])
+    return np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
 
 
 def _play(command: np.ndarray, half: float, softness: float, start: float) -> np.ndarray:

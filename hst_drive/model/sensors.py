@@ -3,8 +3,10 @@
 """What the sensors make of the true values: noise, range and steps of the reading."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Mapping, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Sensor
 import numpy as np
@@ -12,20 +14,19 @@ import numpy as np
 
 def usual_sensors(rig: Rig) -> dict[str, Sensor]:
     """Return a whole rig's sensors, and for channels without one a sensor of the usual kind."""
-    stated = rig.sensors
-    pressure = stated.get('pump_outlet_pressure') or Sensor(6e-4 * rig.relief_valve.set_pressure)
-    flow_range = rig.pump.max_displacement * rig.pump.shaft_speed
-    usual = {
-        'pump_outlet_pressure': pressure, 'motor_inlet_pressure': pressure,
+    pump, pressure = rig.pump, rig.relief_valve.set_pressure
+    largest = {'Pa': pressure, 'm^3/s': pump.max_displacement * pump.shaft_speed,
+               'N.m': rig.motor.displacement * pressure, 'm^3/rad': pump.max_displacement,
+               'rad/s': rig.full_speed}
+    usual = {name: Sensor(entry.noise * (
+        pump.shaft_speed if name == 'pump_speed' else largest[entry.unit]))
+        for name, entry in CHANNELS.items() if entry.noise}
+    stated = rig.sensors.get('pump_outlet_pressure')
+    if stated:
+        usual['motor_inlet_pressure'] = stated
         # It stands about zero: a range that ends there would cut half of the noise off.
-        'motor_outlet_pressure': Sensor(pressure.noise_std, pressure.resolution),
-        'motor_inlet_flow': Sensor(1.2e-3 * flow_range),
-        'case_drain_flow': Sensor(2.5e-4 * flow_range), 'motor_speed': Sensor(0.016),
-        'load_torque': Sensor(0.0015 * rig.motor.displacement * rig.relief_valve.set_pressure),
-        'pump_displacement': Sensor(7e-4 * rig.pump.max_displacement),
-        'pump_speed': Sensor(1e-4 * rig.pump.shaft_speed),
-    }
-    return {**usual, **{name: sensor for name, sensor in stated.items() if name in usual}}
+        usual['motor_outlet_pressure'] = replace(stated, range=None)
+    return {**usual, **{name: sensor for name, sensor in rig.sensors.items() if name in usual}}
 
 
 class SensorBank:

@@ -10,7 +10,7 @@ from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
 from hst_drive.effects import catalogue
-from hst_drive.measure.online.residuals import BALANCES
+from hst_drive.measure.balances import WATCHED
 from hst_drive.nodes.diagnostics import Diagnostics, OK, STALE, WARN
 from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_profile
 from hst_drive.units import for_people
@@ -112,7 +112,7 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
 
     """
     worst = verdict.failing[0]
-    title, unit = BALANCES[worst]
+    title, unit = WATCHED[worst].name, WATCHED[worst].unit
     innovation = verdict.innovations.get(worst)
     began = (verdict.began - origin) / BILLION
     size = ''
@@ -122,7 +122,7 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
     names = [entry.effect for entry in verdict.effects]
     guess = f'; most likely {" or ".join(names)}' if names else '; no effect that shows here'
     values = {
-        'balances': ', '.join(BALANCES[name][0] for name in verdict.failing),
+        'balances': ', '.join(WATCHED[name].name for name in verdict.failing),
         'effects': ', '.join(_effect(entry) for entry in verdict.effects) or 'unknown',
         'trend': ', '.join(filter(None, map(_trend, verdict.effects))) or 'not known yet',
         'explained': ', '.join(f'{100 * entry.explains:.0f} %' for entry in verdict.effects),
@@ -142,6 +142,6 @@ def _stamp(stamp: int) -> str:
 
 def fine(levels: Mapping[str, float], watched: Iterable[str], seconds: float) -> dict[str, str]:
     """Return the values of the status while nothing fails."""
-    return {'watched': ', '.join(BALANCES[name][0] for name in watched),
+    return {'watched': ', '.join(WATCHED[name].name for name in watched),
             'watched_for_s': f'{seconds:.0f}',
-            **{f'evidence {BALANCES[name][0]}': f'{level:.2f}' for name, level in levels.items()}}
+            **{f'evidence {WATCHED[name].name}': f'{level:.2f}' for name, level in levels.items()}}

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.channels import CHANNELS
+
 
 class Number(NamedTuple):
     """
@@ -165,18 +167,9 @@ ONLY_IN: dict[str, str] = {'charge': 'closed', 'cross_port_relief': 'closed',
                            'supply': 'valve', 'valve': 'valve', 'loading': 'open',
                            'relief_valve': 'open'}
 
-# Suffix of a sensor's keys by channel.
+# Suffix of a sensor's keys, and their unit, by channel.
 SENSOR_UNITS: dict[str, tuple[str, str]] = {
-    'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),
-    'motor_outlet_pressure': ('bar', 'bar'),
-    'motor_inlet_flow': ('L_min', 'L/min'), 'case_drain_flow': ('L_min', 'L/min'),
-    'motor_speed': ('rpm', 'rpm'), 'pump_speed': ('rpm', 'rpm'),
-    'load_torque': ('N_m', 'N.m'), 'motor_torque': ('N_m', 'N.m'),
-    'pump_torque': ('N_m', 'N.m'), 'pump_power': ('kW', 'kW'),
-    'oil_temperature': ('K', 'K'), 'pump_displacement': ('cc_rev', 'cc/rev'),
-    'line_a_pressure': ('bar', 'bar'), 'line_b_pressure': ('bar', 'bar'),
-    'charge_pressure': ('bar', 'bar'),
-}
+    name: entry.sensor for name, entry in CHANNELS.items() if entry.hold == 'linear'}
 
 # What a unit of the same make may differ in: the quantity's name and what it scales.
 TOLERANCES: tuple[str, ...] = (

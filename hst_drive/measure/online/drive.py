@@ -11,7 +11,7 @@ from hst_drive.measure.online.characteristic import Characteristic, Resistances
 from hst_drive.measure.online.figures import (
     Accuracy, INLET, measured, modelled, moment_of, SIGNALS, SPEED, TEMPERATURE, uncertainty)
 from hst_drive.measure.online.naming import Signatures
-from hst_drive.measure.online.residuals import Balances, Block, LEAD, needed
+from hst_drive.measure.online.residuals import Balances, Block, LEAD
 from hst_drive.measure.online.stream import BILLION, Stream
 from hst_drive.measure.online.watch import Verdict, Watch
 from hst_drive.model.part import PartModel
@@ -164,8 +164,8 @@ class Observer:
                        uncertainty(moment, found, displacement, self.settings.accuracy))
 
     def _watched(self, start: int, end: int) -> Watched:
-        names = needed(self.balances.names)
-        if not self.balances.names:
+        names = self.balances.needed
+        if not self.balances.closed:
             return Watched(end, 'the signals close no balance')
         missing = self._stream.missing(names, start - self._lead, end)
         if missing:
@@ -182,9 +182,7 @@ class Observer:
         found, known = block.residuals, block.known
         if not {'motor_flow', 'motor_torque'} <= set(found):
             return None, 'no flow or no torque'
-        drain = found.get('case_drain_flow')
-        total = known.get('motor_leakage', 0.0)
         self.characteristic.add(
             known['pressure'], known[SPEED], found['motor_flow'].value,
-            -found['motor_torque'].value, float('nan') if drain is None else drain.value + total)
+            -found['motor_torque'].value, known.get('case_drain_flow', float('nan')))
         return self.characteristic.resistances(known['pressure'], known[SPEED])

@@ -43,6 +43,12 @@ class Accuracy(NamedTuple):
     torque: float = 1.0         # N.m
     speed: float = 0.0          # of the reading
 
+    def of(self, unit: str, reading: float) -> tuple[float, float]:
+        """Return what a sensor of an SI unit may be off, and by how much that moves a reading."""
+        return {'Pa': (self.pressure, 1.0), 'N.m': (self.torque, 1.0),
+                'm^3/s': (self.flow, reading), 'rad/s': (self.speed, reading)}.get(
+                    unit, (0.0, 1.0))
+
 
 class Moment(NamedTuple):
     """

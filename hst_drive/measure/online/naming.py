@@ -77,17 +77,11 @@ class Signatures:
         self._effects = {name: effect for name, effect in tried.items()
                          if name not in self.unseen}
 
-    def of(self, name: str, block: Block, size: dict[str, float]) -> dict[str, float]:
-        """Return how an effect with these parameters moves each balance in a block, SI."""
-        moved: dict[str, float] = {}
-        for slot, function in self._effects[name].terms:
-            slopes = block.slopes.get(slot)
-            if not slopes:
-                continue
-            term = float(evaluate(function, {**block.known, **size}))
-            for balance, slope in slopes.items():
-                moved[balance] = moved.get(balance, 0.0) + slope * term
-        return moved
+    def of(self, name: str, block: Block, size: Mapping[str, float], fitted: str
+           ) -> dict[str, float]:
+        """Return how an effect that is, or grows, by a size moves each balance in a block, SI."""
+        return block.samples.by_effect(name, {
+            **size, fitted: size[fitted] + self.adopted(name, fitted)})
 
     def sizes(self) -> list[tuple[str, dict[str, float], str]]:
         """
@@ -168,7 +162,7 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
     best: dict[str, Likely] = {}
     columns: dict[str, np.ndarray] = {}
     for name, size, fitted in signatures.sizes():
-        moved = [signatures.of(name, block, size) for block in blocks]
+        moved = [signatures.of(name, block, size, fitted) for block in blocks]
         column = np.array([moved[place].get(balance, 0.0) / deviation
                            for (place, balance), deviation in zip(keys, deviations)])
         left = column - design @ (absorb @ column)

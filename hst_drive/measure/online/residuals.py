@@ -3,19 +3,22 @@
 """
 The balances of the running drive over short blocks of time: what the model leaves of each.
 
-Each balance is fed with the other measured signals, as in ``measure.part``: so one that is
-wrong does not spoil the next. Rates of change count in their weak form. With each residual
-comes what would move it: the tolerances of the unit and the accuracies of the sensors, which
-are no missing physics, and the effects of the catalogue.
+They are those of a log of a part (``measure.equations``), weighed by a bell over the block. With
+each residual comes what would move it: the tolerances of the unit and the accuracies of the
+sensors, which are no missing physics, and the effects of the catalogue. The equations themselves
+tell that, by differences.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, Mapping, NamedTuple
 
-from hst_drive.measure.online.figures import (
-    Accuracy, bell, FLOW, INLET, noise_of, PRESSURE, SPEED, TORQUE)
-from hst_drive.measure.online.state import DRAIN, State, STROKE
+from hst_drive.measure.balances import Balance, watched
+from hst_drive.measure.equations import told, Weak
+from hst_drive.measure.online.figures import Accuracy, bell, noise_of, PRESSURE, SPEED
 from hst_drive.measure.online.stream import Window
+from hst_drive.measure.run import CHANNELS
+from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -26,6 +29,8 @@ _FLOOR = 0.25       # of the scatter between units: how good a calibrated model 
 _CREEPING, _SCATTER = 0.023, 5.0     # of the full speed; deviations of the sensor's noise
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
+_STEP = 1e-3        # of a quantity, by which differences are taken
+_SENSOR = 'sensor.'
 
 
 class Residual(NamedTuple):
@@ -51,50 +56,88 @@ class Residual(NamedTuple):
     moved_by: dict[str, float]
 
 
+class Samples:
+    """
+    The samples of a block and before it, and the balances that they close.
+
+    Parameters
+    ----------
+    model : PartModel
+        The drive.
+    balances : mapping of str to Balance
+        By id.
+    window : Window
+        From ``LEAD`` before the block to its end.
+    level, rate : ndarray
+        Weights of a mean over the block and of a mean rate.
+    creeping : float
+        Speed below which the sense of rotation is not sure, rad/s.
+
+    """
+
+    def __init__(self, model: PartModel, balances: Mapping[str, Balance], window: Window,
+                 level: np.ndarray, rate: np.ndarray, creeping: float):
+        self._model, self._balances = model, balances
+        self._channels, self._creeping = window.values, creeping
+        self._by_effect: dict[tuple, dict[str, float]] = {}
+        self._angle = turned(window.time, window.values[SPEED])
+        self.level, self.rate = level, rate
+        self._weak = Weak(window.time, self.mean, lambda values: float(rate @ values))
+        self.known = self._told(model, window.values)
+        self.residuals = {name: self._residual(name, model, window.values, self.known)
+                          for name in balances}
+
+    def mean(self, values: Any) -> float:
+        """Return the weighted mean."""
+        return float(self.level @ values) if np.ndim(values) else float(values)
+
+    def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+        return told(model, channels, self._creeping, self._angle)
+
+    def _residual(self, name: str, model: PartModel, channels: dict[str, np.ndarray],
+                  known: dict[str, Any]) -> float:
+        balance = self._balances[name]
+        return self.mean(channels[balance.channels(channels)[0]]) - self.mean(
+            balance.equation(model, known, channels, self._weak))
+
+    def by_channel(self, channel: str, step: float) -> dict[str, float]:
+        """Return how the residuals that go by a channel move with it."""
+        moved = {**self._channels, channel: self._channels[channel] + step}
+        known = self._told(self._model, moved)
+        return {name: (self._residual(name, self._model, moved, known) - before) / step
+                for name, before in self.residuals.items()
+                if channel in self._balances[name].channels(moved)}
+
+    def by_factor(self, key: str) -> dict[str, float]:
+        """Return how the residuals move if a unit is off in a quantity, per share of it."""
+        section = key.partition('.')[0]
+        near = [name for name in self.residuals if section == 'line' or any(
+            entry.partition('.')[0] == section for entry in self._balances[name].rig)]
+        moved = self._model.changed({}, {key: 1.0 + _STEP}) if near else self._model
+        known = self._told(moved, self._channels) if near else {}
+        return {name: (self.residuals[name] - self._residual(
+            name, moved, self._channels, known)) / _STEP for name in near}
+
+    def by_effect(self, effect: str, values: Mapping[str, float]) -> dict[str, float]:
+        """Return how an effect with these parameters (SI) moves the residuals."""
+        key = (effect, *values.items())
+        if key not in self._by_effect:
+            moved = self._model.with_effect(effect, values)
+            known = self._told(moved, self._channels)
+            self._by_effect[key] = {
+                name: before - self._residual(name, moved, self._channels, known)
+                for name, before in self.residuals.items()}
+        return self._by_effect[key]
+
+
 class Block(NamedTuple):
-    """Balances of one block, the means of what effects may read, and slopes for their slots."""
+    """Balances of one block (ns), the means of what is known, and the samples."""
 
     start: int
     end: int
     residuals: dict[str, Residual]
     known: dict[str, float]
-    slopes: dict[str, dict[str, float]]
-
-
-BALANCES: dict[str, tuple[str, str]] = {
-    'pump_flow': ('pump flow', 'm^3/s'), 'motor_flow': ('hydromotor flow', 'm^3/s'),
-    'motor_torque': ('hydromotor torque', 'N.m'), 'load_torque': ('load torque', 'N.m'),
-    'pump_displacement': ('pump stroke', 'm^3/rad'), 'case_drain_flow': ('case drain', 'm^3/s'),
-    'line_pressure': ('line', 'Pa')}
-"""Name for people and unit by balance."""
-_NEEDS: dict[str, tuple[str, ...]] = {
-    'pump_flow': ('pump_command', PRESSURE, FLOW), 'motor_flow': (SPEED, PRESSURE, FLOW),
-    'motor_torque': (SPEED, PRESSURE, TORQUE), 'load_torque': ('pprv_command', SPEED, TORQUE),
-    'pump_displacement': ('pump_command', STROKE), 'case_drain_flow': (SPEED, PRESSURE, DRAIN),
-    'line_pressure': (PRESSURE, INLET)}
-_SECTIONS: dict[str, tuple[str, ...]] = {
-    'pump_flow': ('pump',), 'motor_flow': ('motor',), 'motor_torque': ('motor',),
-    'load_torque': ('loading', 'motor'), 'pump_displacement': ('pump',),
-    'case_drain_flow': ('motor',), 'line_pressure': ('line',)}
-
-
-def closed(rig: Rig, signals: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the balances that a rig file and the signals close."""
-    return tuple(name for name in BALANCES
-                 if set(_NEEDS[name]) <= set(signals)
-                 and all(getattr(rig, section) is not None for section in _SECTIONS[name]))
-
-
-def needed(balances: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the signals that some balances need, the speed first."""
-    found = dict.fromkeys((SPEED, *(name for entry in balances for name in _NEEDS[entry])))
-    return tuple(found)
-
-
-def nuisances(rig: Rig, accuracy: Accuracy) -> dict[str, float]:
-    """Return what may be off without any physics missing: name to standard deviation."""
-    return {**rig.scatter, 'sensor.pressure': accuracy.pressure, 'sensor.flow': accuracy.flow,
-            'sensor.torque': accuracy.torque}
+    samples: Samples
 
 
 class Balances:
@@ -114,11 +157,24 @@ class Balances:
 
     def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy = Accuracy()):
         self.rig, self.model = rig, PartModel(rig)
-        self.names = closed(rig, signals)
-        self.spread = nuisances(rig, accuracy)
+        self._signals, self._accuracy = signals, accuracy
+        self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
         self._creeping = max(_CREEPING * rig.full_speed, _SCATTER * self._noise.get(SPEED, 0.0))
+
+    @cached_property
+    def needed(self) -> tuple[str, ...]:
+        """The signals that the balances need, the speed first."""
+        return tuple(dict.fromkeys((SPEED, *(
+            name for entry in self.closed.values() for name in entry.channels(self._signals)))))
+
+    @cached_property
+    def spread(self) -> dict[str, float]:
+        """What may be off without any physics missing: name to standard deviation."""
+        return {**self.rig.scatter, **{
+            _SENSOR + name: self._accuracy.of(CHANNELS[name].unit, 1.0)[0]
+            for name in self.needed}}
 
     def of(self, window: Window, start: int, end: int) -> Block | str:
         """
@@ -134,23 +190,36 @@ class Balances:
         """
         first = (start - window.start) * 1e-9
         inside = window.time >= first - 1e-9
-        time = window.time[inside]
-        weights = bell(time, first + (end - start) * 0.5e-9)
+        weights = bell(window.time[inside], first + (end - start) * 0.5e-9)
         if weights is None:
             return 'too few samples'
-        cut = {name: values[inside] for name, values in window.values.items()}
-        reason = self._reason(cut)
+        reason = self._reason({name: values[inside] for name, values in window.values.items()})
         if reason:
             return reason
-        state = State(self.model, self.names, self._noise, window, inside, cut, *weights)
-        residuals = {}
-        for name in self.names:
-            value, parts, noise, change = getattr(state, name)()
-            scatter = [parts[key] * self.spread.get(key, 0.0) for key in parts]
-            residuals[name] = Residual(
-                value, float(np.hypot(noise * state.left, _STAMPS * change)),
-                _FLOOR * float(np.sqrt(np.square(scatter).sum())), parts)
-        return Block(start, end, residuals, state.means(), state.slopes())
+        level, rate = np.zeros((2, len(window.time)))
+        level[inside], rate[inside] = weights
+        samples = Samples(self.model, self.closed, window, level, rate, self._creeping)
+        left = float(np.sqrt(level @ level))
+        parts: dict[str, dict[str, float]] = {name: {} for name in self.closed}
+        noise = dict.fromkeys(self.closed, 0.0)
+        for channel in self.needed:
+            values = window.values[channel]
+            mean = samples.mean(values)
+            # Noise, and what comes too early or too late.
+            unsure = float(np.hypot(left * self._noise[channel], _STAMPS * (rate @ values)))
+            per = self._accuracy.of(CHANNELS[channel].unit, mean)[1]
+            for name, slope in samples.by_channel(channel, _STEP * (abs(mean) or 1.0)).items():
+                parts[name][_SENSOR + channel] = slope * per
+                noise[name] = float(np.hypot(noise[name], slope * unsure))
+        for key in self.rig.scatter:
+            for name, slope in samples.by_factor(key).items():
+                parts[name][key] = slope
+        residuals = {name: Residual(
+            samples.residuals[name], noise[name], _FLOOR * float(np.sqrt(sum(
+                (slope * self.spread[key])**2 for key, slope in parts[name].items()))),
+            parts[name]) for name in self.closed}
+        return Block(start, end, residuals, {
+            name: samples.mean(value) for name, value in samples.known.items()}, samples)
 
     def _reason(self, cut: dict[str, np.ndarray]) -> str:
         speed = cut[SPEED]
