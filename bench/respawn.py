@@ -34,6 +34,8 @@ SLOW = 1.0          # s that a busy machine may add to that
 BACK = 15.0         # s by which a killed node is active again; 4 to 5 s on a quiet machine
 _GAP = 0.25         # s without a command: the feedback_timeout; a shorter one is a busy machine
 _LAST = 10.0        # s of undisturbed work at the end
+_PRIORITY = {'plant': 10, 'controller': 9, 'estimator': 8, 'load_profile': 8, 'recorder': 8,
+             'manager': 8}
 
 
 class Operator:
@@ -76,8 +78,12 @@ class Operator:
         return until()
 
 
-def soak(scenario: Path, bag: Path, seconds: float, every: float) -> list[str]:
-    """Run the nodes, kill one every so many seconds, and return what is out."""
+def soak(scenario: Path, bag: Path, seconds: float, every: float, first: bool) -> list[str]:
+    """
+    Run the nodes, kill one every so many seconds, and return what is out.
+
+    ``first``: they go before all other work of the machine.
+    """
     import rclpy
     wrong, kills = [], []
     with ExitStack() as stack:
@@ -87,6 +93,8 @@ def soak(scenario: Path, bag: Path, seconds: float, every: float) -> list[str]:
 
         def start(name: str, *parameters: str) -> None:
             managed = ['--managed'] * (name in KEPT)
+            if first:
+                parameters = *parameters, f'priority:={_PRIORITY[name]}'
             given = [part for text in parameters for part in ('-p', text)]
             running[name] = subprocess.Popen(
                 [sys.executable, '-m', f'hst_drive.nodes.{name}', *managed, '--ros-args', *given],
