@@ -13,6 +13,7 @@ commands from a kill of the controller until it is back, at 0 V, and nothing els
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial
 import os
 from pathlib import Path
 import signal
@@ -23,6 +24,7 @@ import time
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
+from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.session import environment
 from mcap.reader import make_reader
 import numpy as np
@@ -93,12 +95,12 @@ def soak(scenario: Path, bag: Path, seconds: float, every: float, first: bool) -
 
         def start(name: str, *parameters: str) -> None:
             managed = ['--managed'] * (name in KEPT)
-            if first:
-                parameters = *parameters, f'priority:={_PRIORITY[name]}'
             given = [part for text in parameters for part in ('-p', text)]
             running[name] = subprocess.Popen(
                 [sys.executable, '-m', f'hst_drive.nodes.{name}', *managed, '--ros-args', *given],
-                env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                # Not by the parameter: a node that is started again would import without it.
+                preexec_fn=partial(go_before_others, _PRIORITY[name] if first else 0))
 
         stack.callback(lambda: _end(running))
         context = rclpy.Context()
