@@ -13,6 +13,7 @@ commands from a kill of the controller until it is back, at 0 V, and nothing els
 from __future__ import annotations
 
 from contextlib import ExitStack
+from functools import partial
 import os
 from pathlib import Path
 import signal
@@ -23,6 +24,7 @@ import time
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
+from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.session import environment
 from mcap.reader import make_reader
 import numpy as np
@@ -34,6 +36,8 @@ SLOW = 1.0          # s that a busy machine may add to that
 BACK = 15.0         # s by which a killed node is active again; 4 to 5 s on a quiet machine
 _GAP = 0.25         # s without a command: the feedback_timeout; a shorter one is a busy machine
 _LAST = 10.0        # s of undisturbed work at the end
+_PRIORITY = {'plant': 10, 'controller': 9, 'estimator': 8, 'load_profile': 8, 'recorder': 8,
+             'manager': 8}
 
 
 class Operator:
@@ -76,8 +80,12 @@ class Operator:
         return until()
 
 
-def soak(scenario: Path, bag: Path, seconds: float, every: float) -> list[str]:
-    """Run the nodes, kill one every so many seconds, and return what is out."""
+def soak(scenario: Path, bag: Path, seconds: float, every: float, first: bool) -> list[str]:
+    """
+    Run the nodes, kill one every so many seconds, and return what is out.
+
+    ``first``: they go before all other work of the machine.
+    """
     import rclpy
     wrong, kills = [], []
     with ExitStack() as stack:
@@ -90,7 +98,9 @@ def soak(scenario: Path, bag: Path, seconds: float, every: float) -> list[str]:
             given = [part for text in parameters for part in ('-p', text)]
             running[name] = subprocess.Popen(
                 [sys.executable, '-m', f'hst_drive.nodes.{name}', *managed, '--ros-args', *given],
-                env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                # Not by the parameter: a node that is started again would import without it.
+                preexec_fn=partial(go_before_others, _PRIORITY[name] if first else 0))
 
         stack.callback(lambda: _end(running))
         context = rclpy.Context()

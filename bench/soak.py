@@ -10,7 +10,7 @@ All nodes for a long time: does memory grow, is a step late or lost, do clock an
     python -m bench.soak --minutes 60 --respawn 10     # a node is killed every 10 min (respawn.py)
 
 The processes are watched from outside and the bag is read afterwards. Prints a table and OK, or
-what is out (exit code 1).
+what is out (exit code 1). Ctrl-C ends a run early; what there is by then is judged.
 """
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ import argparse
 import os
 from pathlib import Path
 import platform
+import signal
 import subprocess
 import sys
 import tempfile
@@ -41,6 +42,7 @@ _EVERY = 5.0            # s between two looks at the processes
 _WARM = 0.25            # of the time, until all has been allocated that is ever needed
 _STARTED = 2.0          # s after which the drive turns
 _ENOUGH = 2.0           # MB: less is not called growth
+_INTERRUPTED = 130      # exit code of a run that was ended early
 
 
 class Memory(NamedTuple):
@@ -67,7 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--growth', type=float, default=5.0,
                         help='MB by which a process may grow in an hour of drilling (default: 5)')
     parser.add_argument('--first', action='store_true',
-                        help='run with --priority: on a machine that others use')
+                        help='nodes have real-time priority: on a machine that others use')
     parser.add_argument('--respawn', type=float, metavar='MINUTES',
                         help='with --minutes: kill a node so often; it is started again')
     parser.add_argument('--output', help='keep the bag in this folder')
@@ -82,7 +84,7 @@ def main(arguments: list[str] | None = None) -> int:
         scenario.write_text(SCENARIO.format(seconds=seconds), encoding='utf-8')
         if args.respawn is not None:
             from bench.respawn import soak      # needs rclpy
-            return tell(soak(scenario, bag, seconds, 60.0 * args.respawn))
+            return tell(soak(scenario, bag, seconds, 60.0 * args.respawn, args.first))
         process = subprocess.Popen(
             [sys.executable, '-m', 'hst_drive', 'run', str(scenario), '-o', str(bag),
              '--rate', str(args.rate),
@@ -91,14 +93,16 @@ def main(arguments: list[str] | None = None) -> int:
         began = time.monotonic()
         memory = watch(process)
         wall = time.monotonic() - began
+        out, err = process.communicate()
+        if process.returncode == _INTERRUPTED:
+            seconds = lasted(bag)
+        elif process.returncode:
+            print(err.strip().splitlines()[-1])
+            return 1
         # By the hour of drilling: in simulated time a day passes within one by the clock.
         pace = 1.0 if real else wall / seconds
         memory = {name: entry._replace(slope=pace * entry.slope)
                   for name, entry in memory.items()}
-        out, err = process.communicate()
-        if process.returncode:
-            print(err.strip().splitlines()[-1])
-            return 1
         print(f'{machine()}; load average {os.getloadavg()[1]:.1f} in the last 5 minutes')
         print(f'{seconds / 60:g} min in {"real" if real else "simulated"} time, {args.rate:g} Hz, '
               f'{wall:.0f} s by the clock on the wall'
@@ -128,7 +132,10 @@ def watch(process: subprocess.Popen) -> dict[str, Memory]:
     rows: dict[str, list[tuple[float, float, float]]] = {}
     known: dict[str, int] = {}
     while process.poll() is None:
-        time.sleep(_EVERY if len(known) >= 5 else 0.5)
+        try:
+            time.sleep(_EVERY if len(known) >= 5 else 0.5)
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)
         if len(known) < 5:
             known = children(process.pid)
             continue
@@ -209,6 +216,12 @@ def judge_drive(bag: Path) -> list[str]:
         return []
     return [f'the controller was at 0 V for {len(stopped) * run.sample_time:.0f} s, first at '
             f'{run.time[stopped[0]]:.0f} s (a stop: see /diagnostics)']
+
+
+def lasted(bag: Path) -> float:
+    """Return for how many seconds of the run there are readings."""
+    _, stamps = times(bag, 'motor')
+    return float(np.ptp(stamps)) / 1e9
 
 
 def times(bag: Path, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -36,7 +36,7 @@ NEEDS = {
     **dict.fromkeys(('nodes/test_failures.py', 'nodes/test_nodes.py', 'nodes/test_recorder.py',
                      'nodes/test_clock.py', 'nodes/test_lifecycle.py', 'nodes/test_safety.py',
                      'nodes/test_joints.py', 'nodes/test_rates.py',
-                     'nodes/test_run.py'), (*BAGS, 'rclpy')),
+                     'nodes/test_run.py', 'test_ros2_lines.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     **dict.fromkeys(('diagnose/test_alternatives.py', 'diagnose/test_causes.py',
@@ -60,7 +60,8 @@ MARKERS = {
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
 # Tests whose nodes run as processes. They begin first and run one after the other, beside others.
-WITH_NODES = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_tutorial.py')
+WITH_NODES = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_ros2_lines.py',
+              'test_tutorial.py')
 
 
 def pytest_addoption(parser):

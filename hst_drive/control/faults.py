@@ -43,7 +43,8 @@ class SafetySettings:
     frozen_timeout : float
         Longest time with the same reading, other than 0, to the last bit, s; 0: not judged.
     bad_readings : int
-        So many bad readings in a row are a fault; fewer are passed over.
+        So many bad readings are a fault, fewer are passed over; four good ones in between make up
+        for one.
     speed_limit : float
         Readings are within +- this, set points between 0 (where commands have either sign:
         minus this) and this, rad/s.

@@ -59,8 +59,7 @@ class DriveNode(Node):
         super().__init__(self.role, namespace=NAMESPACE.strip('/'))
         self.settings = declare(self, COMMON + self.parameters, self.managed)
         self._tell_unused(of_topics=False)
-        if self.settings['priority']:
-            go_before_others(self.settings['priority'])
+        go_before_others(self.settings['priority'])
         self.partners: list[str] = self.settings['partners']
         self.lockstep: bool = self.settings['lockstep']
         self.taken: tuple[str, ...] = ()

@@ -39,8 +39,8 @@ PARAMETERS = (
               "readings' stamps and the clock; 0: not judged", 's', 0.0, 3600.0),
     Parameter('frozen_timeout', _DEFAULTS.frozen_timeout, 'longest time with the very same '
               'reading other than 0; 0: not judged', 's', 0.0, 3600.0),
-    Parameter('bad_readings', _DEFAULTS.bad_readings, 'so many bad readings in a row stop the '
-              'drive', low=1, high=1000),
+    Parameter('bad_readings', _DEFAULTS.bad_readings, 'so many bad readings stop the drive; four '
+              'good ones in between make up for one', low=1, high=1000),
     Parameter('speed_limit', _DEFAULTS.speed_limit, 'readings and set points beyond it are '
               'wrong', 'rad/s', 0.1, 1e4),
     Parameter('acceleration_limit', _DEFAULTS.acceleration_limit, 'readings that change '

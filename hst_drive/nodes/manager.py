@@ -14,7 +14,8 @@ import time
 from hst_drive.errors import InputError
 from hst_drive.nodes.attempts import Attempts
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, HARDWARE, OK, WARN
-from hst_drive.nodes.parameters import declare, Parameter
+from hst_drive.nodes.parameters import declare, Parameter, PRIORITY
+from hst_drive.nodes.priority import go_before_others
 from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
 from hst_drive.nodes.transitions import ANSWER, Refused, SILENT, Transitions
 from lifecycle_msgs.srv import GetState
@@ -51,6 +52,7 @@ class Manager(Node):
         Parameter('retry_delay', 2.0, 'from the first such attempt to the second; it doubles each '
                   'time, up to 30 s', 's', 0.1, 30.0, at_start=True),
         HARDWARE._replace(at_start=True),
+        PRIORITY,
     )
 
     def __init__(self):
@@ -60,6 +62,7 @@ class Manager(Node):
         self._bring_back = settings['bring_back']
         if not self.names:
             raise InputError('manager: parameter nodes is empty; name the nodes to bring up')
+        go_before_others(settings['priority'])
         self._spinner = SingleThreadedExecutor()
         self._spinner.add_node(self)
         self.up: list[str] = []

@@ -113,6 +113,9 @@ def undeclared(node, of_topics: bool) -> list[str]:
     return lines
 
 
+PRIORITY = Parameter(
+    'priority', 0, 'real-time priority (SCHED_RR), before all ordinary work of the machine; 0: '
+    'ordinary', low=0, high=99, at_start=True)
 COMMON = (
     Parameter('lockstep', False, 'simulated time: the nodes wait for each other in every step',
               at_start=True),
@@ -122,10 +125,9 @@ COMMON = (
               'plant sends readings in bursts', at_start=True),
     Parameter('circuit', 'open', "the rig's hydraulic circuit, which says what topics there are",
               choices=wiring.CIRCUITS, at_start=True),
-    Parameter('priority', 0, 'real-time priority (SCHED_RR), before all ordinary work of the '
-              'machine; 0: ordinary', low=0, high=99, at_start=True),
+    PRIORITY,
 )
-"""Parameters that every node has."""
+"""Parameters that every node of a run has."""
 
 
 def markdown(nodes: Mapping[str, Iterable[Parameter]]) -> str:

@@ -11,7 +11,7 @@ from hst_drive.errors import InputError
 
 def go_before_others(priority: int) -> None:
     """
-    Give this process real-time priority: the threads that it has, and all that come.
+    Give this process real-time priority: the threads that it has, and all that come. 0: none.
 
     Raises
     ------
@@ -19,6 +19,8 @@ def go_before_others(priority: int) -> None:
         If the system or the user's limits do not allow it.
 
     """
+    if not priority:
+        return
     try:
         for thread in os.listdir('/proc/self/task'):
             with suppress(ProcessLookupError):      # it has just ended

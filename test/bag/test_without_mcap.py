@@ -89,6 +89,13 @@ def test_csv_and_sqlite3_are_read(logs, without):
     assert found['log.csv'] == pytest.approx(found['mcap'], rel=1e-3)
 
 
+@pytest.mark.slow
+def test_a_csv_file_is_diagnosed_and_reported(logs, without, tmp_path):
+    code, _, err = call(without, 'report', str(logs / 'log.csv'), '-o', str(tmp_path / 'page.html'))
+    assert code == 0, err
+    assert 'What is missing' in (tmp_path / 'page.html').read_text()
+
+
 def test_the_recorder_says_what_it_lacks(without, tmp_path):
     done = subprocess.run(
         [sys.executable, '-m', 'hst_drive.nodes.recorder', '--ros-args', '-p',

@@ -52,12 +52,12 @@ class Machine:
                              **{entry.key: entry.value for entry in status.values}}
 
     def tick(self, reading=10.0, wish=19.0, moved=0.0, manual=None, steady=False, others=(),
-             name='drill', lasts=0.01):
+             name='drill', bare=False, lasts=0.01):
         """
         Send one sample of everything (None: not), and take in what comes for so long (s).
 
         A reading may be a function that gives it. ``others`` are joints with speeds of their own
-        that come before ours in the message.
+        that come before ours in the message; ``bare``: a message that has names and no speeds.
         """
         from geometry_msgs.msg import Vector3Stamped
         from rclpy.duration import Duration
@@ -70,7 +70,8 @@ class Machine:
             names, speeds = [*(other for other, _ in others), name], [
                 *(speed for _, speed in others), value]
             self.motor.publish(JointState(
-                header=_header(now + Duration(seconds=moved)), name=names, velocity=speeds,
+                header=_header(now + Duration(seconds=moved)), name=names,
+                velocity=[] if bare else speeds,
                 position=[0.0] * len(names), effort=[0.0] * len(names)))
         for publisher, number in ((self.setpoint, wish), (self.manual, manual)):
             if number is not None:

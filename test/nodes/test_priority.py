@@ -9,6 +9,8 @@ from hst_drive.errors import InputError
 from hst_drive.nodes.plan import make_plan, Options
 import pytest
 
+from .processes import environment, wait_for
+
 # In a process of its own: priority and rights cannot be taken back.
 CODE = """
 import os, threading
@@ -38,6 +40,21 @@ def said(before):
 @pytest.mark.skipif(os.geteuid() != 0, reason='only root may for sure')
 def test_every_thread_has_it():
     assert said('pass') == 'True {(True, 7)}'
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason='only root may for sure')
+@pytest.mark.parametrize('name', ['estimator', 'manager'])
+def test_a_node_has_the_priority_of_its_parameter(name):
+    pytest.importorskip('rclpy')
+    process = subprocess.Popen(
+        [sys.executable, '-m', f'hst_drive.nodes.{name}', '--ros-args', '-p', 'priority:=7',
+         *(['-p', 'nodes:=[estimator]'] * (name == 'manager'))], env=environment())
+    try:
+        wait_for(lambda: (os.sched_getscheduler(process.pid), os.sched_getparam(
+            process.pid).sched_priority) == (os.SCHED_RR, 7))
+    finally:
+        process.kill()
+        process.wait()
 
 
 def test_who_may_not_is_told_what_to_do():

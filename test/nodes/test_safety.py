@@ -44,6 +44,8 @@ def goes_to_zero(machine, kind, stop_time=STOP_TIME, **what):
 @pytest.mark.parametrize('kind, what', [
     ('feedback_lost', {'reading': None}),
     ('feedback_not_finite', {'reading': math.nan}),
+    ('feedback_not_finite', {'reading': math.inf}),
+    ('feedback_not_finite', {'bare': True}),
     ('feedback_out_of_range', {'reading': 95.5}),
     ('feedback_time', {'moved': -5.0}),
     ('feedback_time', {'moved': 5.0}),
@@ -51,6 +53,7 @@ def goes_to_zero(machine, kind, stop_time=STOP_TIME, **what):
     ('setpoint_lost', {'wish': None}),
     ('setpoint_invalid', {'wish': math.nan}),
     ('setpoint_invalid', {'wish': 1e6}),
+    ('setpoint_invalid', {'wish': -5.0}),
 ])
 def test_a_fault_brings_the_command_to_zero(machine, kind, what):
     machine.run_up()
@@ -180,12 +183,13 @@ def test_a_controller_that_ends_leaves_the_pump_at_zero_and_a_latched_stop_is_he
         with node('controller', *apart, *TIMES, '-p', 'mode:=open_loop'):
             machine.run_up(wish=None, manual=6.0)
             machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
-            goes_to_zero(machine, 'command_invalid', wish=None, manual=11.0)
-            machine.until(lambda: machine.told.get('against_reset') == '', manual=6.0)
-            assert machine.reset(manual=6.0).success
-            machine.until(lambda: machine.told.get('state') == 'ready', wish=None, manual=6.0)
-            machine.tick(wish=None, manual=0.0)
-            machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
+            for fault, wrong in (('command_invalid', 11.0), ('setpoint_lost', None)):
+                goes_to_zero(machine, fault, wish=None, manual=wrong)
+                machine.until(lambda: machine.told.get('against_reset') == '', manual=6.0)
+                assert machine.reset(manual=6.0).success
+                machine.until(lambda: machine.told.get('state') == 'ready', wish=None, manual=6.0)
+                machine.tick(wish=None, manual=0.0)
+                machine.until(lambda: machine.commands[-1][1] == 6.0, wish=None, manual=6.0)
         machine.until(lambda: machine.commands[-1][1] == 0.0, wish=None, manual=6.0)
         machine.until(lambda: machine.told['state'] == 'stopped', wish=None, manual=6.0)
         assert machine.told['level'] == b'\1' and machine.told['fault'] == 'shutdown'
@@ -220,12 +224,12 @@ def test_it_says_what_it_waits_for_and_who_else_commands():
                           machine.told['message'])
 
 
-def test_a_stop_outlives_deactivate_and_activate():
+def test_deactivate_and_sigterm_end_at_zero_and_a_stop_outlives_them():
     from lifecycle_msgs.msg import Transition
     from lifecycle_msgs.srv import ChangeState, GetState
     from std_srvs.srv import SetBool
     with surroundings('fourth') as machine:
-        with node('controller', '-r', '__ns:=/fourth', *TIMES, managed=True):
+        with node('controller', '-r', '__ns:=/fourth', *TIMES, managed=True) as process:
             change = machine.node.create_client(ChangeState, 'controller/change_state')
 
             ask = machine.node.create_client(GetState, 'controller/get_state')
@@ -235,6 +239,10 @@ def test_a_stop_outlives_deactivate_and_activate():
                 assert machine.call(ask, GetState.Request()).current_state.label == state
 
             go(Transition.TRANSITION_CONFIGURE, 'inactive')
+            go(Transition.TRANSITION_ACTIVATE, 'active')
+            machine.run_up()
+            go(Transition.TRANSITION_DEACTIVATE, 'inactive')
+            machine.until(lambda: machine.commands[-1][1] == 0.0)
             go(Transition.TRANSITION_ACTIVATE, 'active')
             machine.run_up()
             assert machine.call(machine.stopper, SetBool.Request(data=True)).success
@@ -251,6 +259,10 @@ def test_a_stop_outlives_deactivate_and_activate():
             machine.until(lambda: machine.told.get('against_reset') == '')
             assert machine.reset().success
             machine.run_up()
+            process.terminate()
+            machine.until(lambda: machine.told.get('fault') == 'shutdown'
+                          and machine.commands[-1][1] == 0.0)
+            process.wait(PATIENCE)
 
 
 def test_an_emergency_stop_in_lockstep_is_in_the_bag_and_the_run_goes_on(tmp_path, monkeypatch):
