@@ -135,7 +135,7 @@ def lines(log):
 
 BAD = {
     'empty': (lambda head, rows: '', 'the file is empty'),
-    'no units': (lambda head, rows: 'time,motor_speed\n0,1\n1,1\n', "'time' has no unit"),
+    'no units': (lambda head, rows: 'time,motor_speed[rpm]\n0,1\n1,1\n', "'time' has no unit"),
     'text': (lambda head, rows: head + ''.join(
         row.rsplit(',', 1)[0] + ',abc\n' for row in rows), "expected a number, found 'abc'"),
     'time back': (lambda head, rows: head + ''.join(rows[:50] + rows[40:]), 'runs back'),
