@@ -21,6 +21,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuits import circuits
+from hst_drive.rig.meanings import MEANINGS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
 from hst_drive.units import for_people, UNITS
 from sphinx.util import logging
@@ -143,12 +144,12 @@ def of_slots():
 
 
 def of_rig():
-    """Every key of a rig file: unit, range, and whether it may be left out."""
+    """Every key of a rig file: meaning, unit, range, and whether it may be left out."""
     lines = []
     for section, keys in SECTIONS.items():
         lines += [f'### {section}', table(
-            ('key', 'is', 'range', 'may be left out'),
-            [(f'`{key}`', *_key(entry), _left_out(section, key, entry))
+            ('key', 'means', 'is', 'range', 'may be left out'),
+            [(f'`{key}`', MEANINGS[section][key], *_key(entry), _left_out(section, key, entry))
              for key, entry in keys.items()])]
     sensors = [(f'`{name}`', f'`noise_std_{suffix}`, `resolution_{suffix}`, `range_{suffix}`',
                 unit) for name, (suffix, unit) in SENSOR_UNITS.items()]
