@@ -195,8 +195,8 @@ def of_channels():
 
 def of_balances():
     """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
-    return table(('balance', 'predicts', 'from', 'the rig file has', 'not used beside'), (
-        (entry.name, _either(entry.predicts), ' and '.join(map(_either, entry.needs)),
+    return table(('balance', 'predicts', 'from all of', 'the rig file has', 'not used beside'), (
+        (entry.name, _either(entry.predicts), '; '.join(map(_either, entry.needs)),
          _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES))
 
 
@@ -207,8 +207,8 @@ def of_circuits():
         lines += [f'### {circuit.id}',
                   f'{circuit.title[0].upper()}{circuit.title[1:]}. The rig file has '
                   f'{_either(circuit.sections, ", ")}.', table(
-                      ('balance', 'predicts', 'from', 'what is missing enters'),
-                      ((entry.name, f'`{entry.signal}`', ' and '.join(
+                      ('balance', 'predicts', 'from all of', 'what is missing enters'),
+                      ((entry.name, f'`{entry.signal}`', '; '.join(
                           _either(need.split('|')) for need in entry.needs),
                         entry.enters.replace('_', ' ')) for entry in circuit.balances))]
     return '\n\n'.join(lines)

@@ -264,7 +264,7 @@ def test_what_is_left_out_is_told(run, tmp_path, capsys):
                                           'motor_speed': rest}))
     out = command(capsys, path)[1]
     assert 'low: 0.00 to 1.10 s (start from rest)' in out
-    assert 'low: cavitation would take 25 % of the log: judged, too' in out
+    assert 'low: cavitation makes 25 % of the log, so it is judged' in out
 
 
 def test_files_are_written_though_nobody_reads_the_text(log, tmp_path):
