@@ -52,7 +52,7 @@ def test_calls_are_of_verbs_and_would_be_understood(page):
 
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
 def test_yaml_is_understood(page):
-    """A channel map or scenario as such; others as a rig, a few sections in the place of its own."""
+    """A channel map or scenario as such; others as a rig, some sections in place of its own."""
     shipped = yaml.safe_load(default_rig_file().read_text(encoding='utf-8'))
     for block in YAML.findall(page.read_text(encoding='utf-8')):
         content = yaml.safe_load(block)
