@@ -148,7 +148,7 @@ def of_rig():
     lines = []
     for section, keys in SECTIONS.items():
         lines += [f'### {section}', table(
-            ('key', 'means', 'is', 'range', 'may be left out'),
+            ('key', 'means', 'is', 'range', 'optional'),
             [(f'`{key}`', MEANINGS[section][key], *_key(entry), _left_out(section, key, entry))
              for key, entry in keys.items()])]
     sensors = [(f'`{name}`', f'`noise_std_{suffix}`, `resolution_{suffix}`, `range_{suffix}`',
@@ -178,7 +178,7 @@ def _key(entry):
 def _left_out(section, key, entry):
     if getattr(entry, 'optional', False):
         return 'yes'
-    return 'in the file of a part' if key in PART.get(section, ()) else ''
+    return 'in a part' if key in PART.get(section, ()) else ''
 
 
 def _unit(unit):
