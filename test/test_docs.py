@@ -9,6 +9,9 @@ import shlex
 
 from hst_drive.bag.channels import parse_channel_map
 from hst_drive.cli import verbs
+from hst_drive.load import LoadingUnit, parse_scenario
+from hst_drive.load.load_sections import LOAD_KINDS
+from hst_drive.load.scenario import MODES, STARTS
 from hst_drive.rig import default_rig_file
 from hst_drive.rig.load import parse_rig
 import pytest
@@ -49,11 +52,19 @@ def test_calls_are_of_verbs_and_would_be_understood(page):
 
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
 def test_yaml_is_understood(page):
-    """A channel map as such; what is not one as a rig, a few sections in the place of its own."""
+    """A channel map or scenario as such; others as a rig, some sections in place of its own."""
     shipped = yaml.safe_load(default_rig_file().read_text(encoding='utf-8'))
     for block in YAML.findall(page.read_text(encoding='utf-8')):
         content = yaml.safe_load(block)
         if 'channels' in content:
             parse_channel_map(content, page.name)
+        elif 'title' in content:
+            parse_scenario(content, LoadingUnit.of(parse_rig(shipped).loading), page.name)
         else:
             parse_rig(content if 'name' in content else shipped | content, page.name)
+
+
+def test_the_page_of_scenarios_has_all_kinds():
+    text = (TOP / 'docs' / 'scenarios.md').read_text(encoding='utf-8')
+    for word in (*LOAD_KINDS, *MODES, *STARTS):
+        assert f'`{word}`' in text, word

@@ -21,6 +21,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuits import circuits
+from hst_drive.rig.meanings import MEANINGS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES
 from hst_drive.units import for_people, UNITS
 from sphinx.util import logging
@@ -143,12 +144,12 @@ def of_slots():
 
 
 def of_rig():
-    """Every key of a rig file: unit, range, and whether it may be left out."""
+    """Every key of a rig file: meaning, unit, range, and whether it may be left out."""
     lines = []
     for section, keys in SECTIONS.items():
         lines += [f'### {section}', table(
-            ('key', 'is', 'range', 'may be left out'),
-            [(f'`{key}`', *_key(entry), _left_out(section, key, entry))
+            ('key', 'means', 'is', 'range', 'optional'),
+            [(f'`{key}`', MEANINGS[section][key], *_key(entry), _left_out(section, key, entry))
              for key, entry in keys.items()])]
     sensors = [(f'`{name}`', f'`noise_std_{suffix}`, `resolution_{suffix}`, `range_{suffix}`',
                 unit) for name, (suffix, unit) in SENSOR_UNITS.items()]
@@ -177,7 +178,7 @@ def _key(entry):
 def _left_out(section, key, entry):
     if getattr(entry, 'optional', False):
         return 'yes'
-    return 'in the file of a part' if key in PART.get(section, ()) else ''
+    return 'in a part' if key in PART.get(section, ()) else ''
 
 
 def _unit(unit):
@@ -194,8 +195,8 @@ def of_channels():
 
 def of_balances():
     """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
-    return table(('balance', 'predicts', 'from', 'the rig file has', 'not used beside'), (
-        (entry.name, _either(entry.predicts), ' and '.join(map(_either, entry.needs)),
+    return table(('balance', 'predicts', 'from all of', 'the rig file has', 'not used beside'), (
+        (entry.name, _either(entry.predicts), '; '.join(map(_either, entry.needs)),
          _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES.values()))
 
 
@@ -206,8 +207,8 @@ def of_circuits():
         lines += [f'### {circuit.id}',
                   f'{circuit.title[0].upper()}{circuit.title[1:]}. The rig file has '
                   f'{_either(circuit.sections, ", ")}.', table(
-                      ('balance', 'predicts', 'from', 'what is missing enters'),
-                      ((entry.name, f'`{entry.signal}`', ' and '.join(
+                      ('balance', 'predicts', 'from all of', 'what is missing enters'),
+                      ((entry.name, f'`{entry.signal}`', '; '.join(
                           _either(need.split('|')) for need in entry.needs),
                         entry.enters.replace('_', ' ')) for entry in circuit.balances))]
     return '\n\n'.join(lines)

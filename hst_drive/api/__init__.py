@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import os
 from typing import Any, Union
 
+from hst_drive.api import given
 from hst_drive.api.results import (
     Comparison, Design, Diagnosis, Effects, Log, Losses, Result, RigFile)
 from hst_drive.errors import InputError
@@ -86,10 +87,7 @@ def read_log(source: Any, channels: Channels = None, name: str | None = None) ->
                          'channel map or its mapping')
     if is_table(source):
         return Log(read_arrays(source, mapping, name or 'log'))
-    if not isinstance(source, (str, os.PathLike)):
-        raise InputError(f'log: found {type(source).__name__}, expected a path, a pandas frame or '
-                         'a mapping of columns')
-    run = read(source, mapping)
+    run = read(given.path(source, 'log', given.TABLE), mapping)
     return Log(replace(run, name=name) if name else run)
 
 
@@ -124,7 +122,7 @@ def load_rig(rig: Rigs = None) -> RigFile:
         return rig
     if isinstance(rig, Mapping):
         return RigFile(dict(rig), 'rig')
-    path = str(rig) if rig is not None else str(default_rig_file())
+    path = given.path(rig, 'rig') if rig is not None else str(default_rig_file())
     return RigFile(read_yaml(path), path)
 
 
@@ -219,8 +217,10 @@ def commission(logs: Any, rig: Rigs = None, *, channels: Channels = None,
     from hst_drive.diagnose.commission import commission as work
 
     file = load_rig(rig)
+    if day_to_day is not None:
+        given.number(day_to_day, 'day_to_day')
     found = work(file.content, file.source, _runs(logs, channels), day_to_day,
-                 progress=progress or (lambda text: None))
+                 progress=given.progress(progress))
     return RigFile(found.rig, 'commissioned rig')
 
 
@@ -260,9 +260,9 @@ def diagnose(logs: Any, rig: Rigs = None, *, holdout: Any = (), channels: Channe
 
     file = load_rig(rig)
     training = _several(logs)
-    runs = _runs([*training, *_several(holdout)], channels)
+    runs = _runs([*training, *_several(() if holdout is None else holdout)], channels)
     result = work(file.rig, runs[:len(training)], runs[len(training):],
-                  progress=progress or (lambda text: None))
+                  progress=given.progress(progress))
     return Diagnosis(result, file, runs, len(runs) - len(training))
 
 
@@ -346,7 +346,8 @@ def simulate(inputs: Any, rig: Rigs = None, *, effects: Sizes | Iterable[str] | 
         inputs = inputs.scenario
     elif not isinstance(inputs, (str, os.PathLike)):
         table = read_log(inputs).run
-    return Log(play(file.rig, inputs if table is None else table, effects, seed))
+    return Log(play(file.rig, inputs if table is None else table, effects,
+                    given.whole(seed, 'seed')))
 
 
 def design(diagnosis: Diagnosis | PathLike | Mapping[str, Any] | None = None, rig: Rigs = None, *,
@@ -398,8 +399,9 @@ def design(diagnosis: Diagnosis | PathLike | Mapping[str, Any] | None = None, ri
     content, source = (None, '') if diagnosis is None else _document(diagnosis)
     if rig is None and isinstance(diagnosis, Diagnosis):
         rig = diagnosis.rig
-    found = next_test(load_rig(rig).rig, content, source, effects, duration=duration,
-                      closed_loop=closed_loop)
+    wanted = None if effects is None else given.ids(effects, 'effects')
+    found = next_test(load_rig(rig).rig, content, source, wanted,
+                      duration=given.number(duration, 'duration'), closed_loop=closed_loop)
     return Design(found) if found is not None else None
 
 
@@ -428,10 +430,12 @@ def effects(identity: str | None = None) -> Effects:
     """
     from hst_drive.report.effects import chosen
 
+    if identity is not None and not isinstance(identity, str):
+        raise InputError(f'effects: found {identity!r}, expected the id of one effect')
     return Effects(chosen(identity), identity)
 
 
-def losses(table: Any, *, channels: PathLike | None = None, oil: str = 'ISO VG 46') -> Losses:
+def losses(table: Any, *, channels: Channels = None, oil: str = 'ISO VG 46') -> Losses:
     """
     Identify the steady-state losses of motors from a bench table.
 
@@ -441,7 +445,7 @@ def losses(table: Any, *, channels: PathLike | None = None, oil: str = 'ISO VG 4
         A row per operating point: motor_displacement, oil_temperature, load_torque,
         motor_speed, supply_pressure, supply_flow and, optionally, case_drain_flow, as
         ``name[unit]``.
-    channels : path, optional
+    channels : path or mapping, optional
         Channel map: foreign column names and units to ours, constants for all rows.
     oil : str
         Viscosity grade (``config/oil_grades.yaml``).
@@ -464,6 +468,8 @@ def losses(table: Any, *, channels: PathLike | None = None, oil: str = 'ISO VG 4
     """
     from hst_drive.api.bench import study
 
+    if not isinstance(oil, str):
+        raise InputError(f"oil: found {oil!r}, expected a viscosity grade, as 'ISO VG 46'")
     return study(table, channels, oil)
 
 

@@ -3,9 +3,9 @@
 """What ``losses`` does: a table of motors or of transmissions, whichever it is."""
 from __future__ import annotations
 
-import os
 from typing import Any
 
+from hst_drive.api import given
 from hst_drive.api.results import Losses
 from hst_drive.bag.arrays import is_table
 from hst_drive.bag.bench_table import points_of, read_points
@@ -18,9 +18,12 @@ from hst_drive.report.transmissions import is_transmissions, study_transmissions
 from hst_drive.rig.oils import oil_of
 
 
-def study(table: Any, channels: str | os.PathLike[str] | None, oil: str) -> Losses:
+def study(table: Any, channels: Any, oil: str) -> Losses:
     """Return what a bench table says; fewer rows than a curve needs give the resistances."""
-    points = (points_of if is_table(table) else read_points)(table, channels)
+    if is_table(table):
+        points = points_of(table, channels)
+    else:
+        points = read_points(given.path(table, 'table', given.TABLE), channels)
     if is_transmissions(points):
         return Losses(*study_transmissions(points), points.notes)
     bench = bench_of(points.columns, points.headers, points.lines, points.constants,

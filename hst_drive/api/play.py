@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from hst_drive.api import given
 from hst_drive.diagnose.rehearse import INPUTS, rehearse
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, LoadingUnit, parse_scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
+from hst_drive.report.effects import chosen
 from hst_drive.rig import Rig
 from hst_drive.rig.adopted import read_effects
 import numpy as np
@@ -35,9 +37,11 @@ def play(rig: Rig, asked: Any, effects: Mapping[str, Any] | Iterable[str] | None
 
     """
     rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', purpose='simulate')
-    more: dict[str, Any] = dict.fromkeys(effects or (), {}) if not isinstance(
-        effects, Mapping) else read_effects(
-            {name: dict(values) for name, values in effects.items()}, 'simulate')
+    more: dict[str, Any]
+    if isinstance(effects, Mapping):
+        more = read_effects(given.sizes(effects, 'effects'), 'simulate')
+    else:
+        more = {name: {} for name in given.ids(effects or (), 'effects') if chosen(name)}
     if isinstance(asked, Run):
         return _commanded(rig, asked, more, seed)
     if isinstance(asked, Mapping):

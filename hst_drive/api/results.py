@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any, TYPE_CHECKING
 
+from hst_drive.api import given
+from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS
 from hst_drive.report.plain import plain
 from hst_drive.units import difference_from_si, for_people, from_si
@@ -102,14 +104,18 @@ class Log(Result):
 
     def between(self, start: float, end: float) -> Log:
         """Return the part with ``start <= time < end`` (s)."""
-        return Log(self.run.between(start, end))
+        part = self.run.between(given.number(start, 'start'), given.number(end, 'end'))
+        if not len(part):
+            raise InputError(f'{self.name}: no samples from {start:g} to {end:g} s; it goes from '
+                             f'{self.run.time[0]:g} to {self.run.time[-1]:g} s')
+        return Log(part)
 
     def save(self, path: str) -> None:
         """Write it as CSV, in the units of the field."""
         from hst_drive.bag import write_csv
         from hst_drive.report.files import check_target
 
-        check_target(path)
+        check_target(given.path(path, 'path'))
         write_csv(path, self.run)
 
     def __str__(self) -> str:
@@ -160,13 +166,13 @@ class RigFile(Result):
         """Return the rig with more effects: numbers in SI, or texts with a unit."""
         return RigFile({**self.content, 'effects': {
             **self.content.get('effects', {}),
-            **{name: dict(values) for name, values in effects.items()}}}, self.source)
+            **given.sizes(effects, 'effects')}}, self.source)
 
     def save(self, path: str) -> None:
         """Write the rig file, for ``--rig`` and ``load_rig``."""
         from hst_drive.report.files import write_yaml
 
-        write_yaml(self.content, path)
+        write_yaml(self.content, given.path(path, 'path'))
 
     def __str__(self) -> str:
         lines = [f'{self.rig.name} ({self.source})']
@@ -220,6 +226,8 @@ class Comparison(Result):
 
     def curves(self, log: int = 0) -> dict[str, np.ndarray]:
         """Return time, and measured and model of each signal, in the units of the field."""
+        if not 0 <= given.whole(log, 'log') < len(self.result.logs):
+            raise InputError(f'log: found {log}, expected 0 to {len(self.result.logs) - 1}')
         found = self.result.logs[log]
         out = {'time[s]': found.run.time}
         for name, values in found.model.items():
@@ -346,7 +354,7 @@ class Design(Result):
         """Write the scenario file."""
         from hst_drive.report.files import write_yaml
 
-        write_yaml(self.scenario, path)
+        write_yaml(self.scenario, given.path(path, 'path'))
 
     def __str__(self) -> str:
         from hst_drive.report.design import text

@@ -9,6 +9,7 @@ from typing import Any
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.csv_log import Layout, picks_of
+from hst_drive.bag.stamps import in_seconds, seconds
 from hst_drive.errors import InputError
 from hst_drive.measure.run import Run
 import numpy as np
@@ -42,8 +43,10 @@ def read_arrays(table: Any, channel_map: ChannelMap = ChannelMap(), name: str = 
     columns = columns_of(table, name)
     header, notes = list(columns), []
     layout = Layout(header, 0, '', picks_of(header, channel_map, name, notes), name, notes)
-    values = np.column_stack(numbers(columns, [header[place] for place, _, _ in layout.picks],
-                                     name))
+    wanted = [header[place] for place, _, _ in layout.picks]
+    if layout.dated:
+        columns[wanted[0]] = _dates(columns[wanted[0]], wanted[0], name)
+    values = np.column_stack(numbers(columns, wanted, name))
     time, channels = layout.in_si(values, range(len(values)), whole=True)
     return finish_run(name, time, channels, name, notes)
 
@@ -51,11 +54,16 @@ def read_arrays(table: Any, channel_map: ChannelMap = ChannelMap(), name: str = 
 def columns_of(table: Any, name: str) -> dict[str, Any]:
     """Return the columns of a table by their headers."""
     if hasattr(table, 'columns'):
-        if getattr(getattr(table, 'index', None), 'name', None) is not None:
+        index = getattr(table, 'index', None)
+        if getattr(index, 'name', None) is not None:
             table = table.reset_index()
+        elif getattr(getattr(index, 'dtype', None), 'kind', '') in 'mM' and len(table):
+            table = table.rename_axis('time').reset_index()     # dates without a name
         keys = list(table.columns)
     else:
         keys = list(table)
+    if not keys:
+        raise InputError(f'{name}: has no columns; expected some like motor_speed[rpm]')
     headers = [str(key) for key in keys]
     twice = [header for header in headers if headers.count(header) > 1]
     if twice:
@@ -81,11 +89,20 @@ def numbers(columns: Mapping[str, Any], wanted: list[str], name: str) -> list[np
     return found
 
 
+def _dates(values: Any, column: str, name: str) -> np.ndarray:
+    if getattr(getattr(values, 'dtype', None), 'tz', None) is not None:     # of pandas
+        values = values.dt.tz_convert(None)
+    found = np.asarray(values)
+    if found.dtype.kind in 'mM':
+        return in_seconds(found)
+    return seconds([str(value) for value in found.ravel()], range(found.size), name, column)
+
+
 def _floats(values: Any, where: str) -> np.ndarray:
     kind = np.asarray(values).dtype.kind
     if kind in 'mM':
-        raise InputError(f'{where}: holds dates; expected numbers in the unit of the header, of '
-                         'a pandas column t: (t - t.iloc[0]).dt.total_seconds()')
+        raise InputError(f'{where}: holds dates; expected numbers in the unit of the header. A '
+                         'time column of dates has no unit: call it time')
     if kind in 'bc':
         raise InputError(f'{where}: holds {"complex" if kind == "c" else "logical"} values; '
                          'expected real numbers in the unit of the header')

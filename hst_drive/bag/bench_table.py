@@ -72,7 +72,7 @@ class PointTable:
 
 
 def read_points(path: str | os.PathLike[str],
-                channels: str | os.PathLike[str] | None = None) -> PointTable:
+                channels: str | os.PathLike[str] | Mapping | None = None) -> PointTable:
     """
     Read a table of operating points.
 
@@ -113,7 +113,7 @@ def read_points(path: str | os.PathLike[str],
                      np.array(rows[1:]), constants, notes)
 
 
-def points_of(table: Any, channels: str | os.PathLike[str] | None = None,
+def points_of(table: Any, channels: str | os.PathLike[str] | Mapping | None = None,
               name: str = 'table') -> PointTable:
     """
     Read a table of operating points that is in memory: a frame, or a mapping of columns.
@@ -180,9 +180,10 @@ def _picks(header: list[str], entries: Mapping[str, Entry], constants: Mapping[s
     return picks, notes
 
 
-def _map(path: str | os.PathLike[str]) -> tuple[dict[str, Entry], dict[str, float], str]:
+def _map(given: str | os.PathLike[str] | Mapping) -> tuple[
+        dict[str, Entry], dict[str, float], str]:
     """Read the channel map of a table: entries, constants (SI) and the file's name."""
-    data = read_yaml(path)
+    data, path = (given, 'channels') if isinstance(given, Mapping) else (read_yaml(given), given)
     for key in data:
         if key not in ('channels', 'constants'):
             raise InputError(f'{path}: unknown key {key!r}; expected channels or constants')

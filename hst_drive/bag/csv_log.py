@@ -5,8 +5,9 @@ CSV recordings: one column per channel, ``name[unit]`` or ``name (unit)`` in the
 
 The unit in the header counts; units may have a line of their own below or above the names.
 Separators are comma, semicolon (with decimal point or comma) or tab; lines that begin with # and
-empty lines do not count; an empty cell is a missing sample. In a log that is read as a whole,
-stamps that are rounded more coarsely than rows come are spread evenly.
+empty lines do not count; an empty cell is a missing sample. A time column without a unit may hold
+dates. In a log that is read as a whole, stamps that are rounded more coarsely than rows come are
+spread evenly.
 """
 from __future__ import annotations
 
@@ -21,6 +22,7 @@ from typing import NamedTuple
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import (
     channel_of, ChannelMap, check_unit, differences, Entry, is_unit, left_out, split_header)
+from hst_drive.bag.stamps import check_time, DATE, seconds, spread
 from hst_drive.errors import InputError
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.units import from_si
@@ -28,7 +30,6 @@ import numpy as np
 
 _MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
 _NO_UNIT = ('', '-')
-_FEW, _FASTER = 10, 0.95    # stamps; rows so much closer than stamps are rounded share stamps
 
 
 class Layout(NamedTuple):
@@ -48,17 +49,30 @@ class Layout(NamedTuple):
 
         Of a ``whole`` log rounded stamps are spread.
         """
-        return self.in_si(_parse(lines, rows, self.separator, self.header,
-                                 [column for column, _, _ in self.picks], self.path), rows, whole)
+        places = [column for column, _, _ in self.picks]
+        if not self.dated:
+            return self.in_si(_parse(lines, rows, self.separator, self.header, places, self.path),
+                              rows, whole)
+        values = _parse(lines, rows, self.separator, self.header, places[1:], self.path)
+        time = seconds([cells[places[0]] for cells in csv.reader(lines, delimiter=self.separator)],
+                       rows, self.path, self.header[places[0]])
+        return self.in_si(np.column_stack([time, values]), rows, whole)
+
+    @property
+    def dated(self) -> bool:
+        """Whether the time column holds dates."""
+        return self.picks[0][2] == DATE
 
     def in_si(self, columns: np.ndarray, rows: Sequence[int], whole: bool = False) -> tuple[
             np.ndarray, dict[str, np.ndarray]]:
         """Do the same with the numbers of the picked columns, shape (rows, picks)."""
-        values = [entry.to_si(columns[:, index], unit)
+        values = [entry.to_si(columns[:, index], 's' if unit == DATE else unit)
                   for index, (_, entry, unit) in enumerate(self.picks)]
         if whole:
-            values[0] = _spread(values[0], self.notes)
-        _check_time(values[0], rows, self.path)
+            if self.dated:      # people count from the first row
+                values[0] -= values[0][0]
+            values[0] = spread(values[0], self.notes)
+        check_time(values[0], rows, self.path)
         return values[0], differences({
             entry.channel: column for (_, entry, _), column in zip(self.picks[1:], values[1:])})
 
@@ -95,26 +109,6 @@ def _are_units(cells: Sequence[str]) -> bool:
 
 def _bare(cell: str) -> str:
     return cell.strip('[]() ')
-
-
-def _spread(time: np.ndarray, notes: list[str]) -> np.ndarray:
-    """Return stamps (s) that rise where several rows have one because stamps are rounded."""
-    steps = np.diff(time)
-    if not np.isfinite(time).all() or not (steps == 0).any() or (steps < 0).any():
-        return time
-    first = np.flatnonzero(np.append(True, steps > 0))
-    rounding = float(steps[steps > 0].min(initial=np.inf))
-    if len(first) < _FEW or time[-1] - time[0] > _FASTER * rounding * len(steps):
-        return time     # a clock that stood still
-    rows = np.diff(np.append(first, len(time)))
-    usual = max(float(np.median(rows)), 1.0)
-    notes.append(f'stamps are rounded to {rounding:.3g} s, rows come '
-                 f'{len(steps) / (time[-1] - time[0]):.4g} a second: spread evenly')
-    since = (np.arange(len(time)) - np.repeat(first, rows)).astype(float)
-    # The first and the last stamp may have fewer rows than belong to them.
-    since[:rows[0]] += max(usual - rows[0], 0.0)
-    rows = np.maximum(rows, np.where(np.isin(first, (first[0], first[-1])), usual, 1.0))
-    return time + rounding * since / np.repeat(rows, np.diff(np.append(first, len(time))))
 
 
 def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap()) -> Run:
@@ -239,8 +233,10 @@ def _unit(entry: Entry, cell: str, path: str) -> str:
     si = 's' if entry.channel == 'time' else channel_of(entry.channel).unit
     name, unit = split_header(cell)
     if unit is None:
-        example = 's' if entry.channel == 'time' else channel_of(entry.channel).display
-        raise InputError(f'{path}: column {cell!r} has no unit; write it as {name}[{example}]')
+        if entry.channel == 'time':
+            return DATE
+        raise InputError(f'{path}: column {cell!r} has no unit; write it as '
+                         f'{name}[{channel_of(entry.channel).display}]')
     return check_unit(unit, si, f'{path}: column {cell!r}')
 
 
@@ -280,15 +276,3 @@ def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, hea
                                      f'expected a number, found {cell[:40]!r}') from None
                 out[index, place] = np.nan
     return out[:index + 1]
-
-
-def _check_time(time: np.ndarray, rows: Sequence[int], path: str) -> None:
-    bad = np.flatnonzero(~np.isfinite(time))
-    if len(bad):
-        raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite')
-    back = np.flatnonzero(np.diff(time) <= 0)
-    if len(back):
-        at = back[0]
-        what = 'runs back' if time[at + 1] < time[at] else 'stands still'
-        raise InputError(f'{path}: row {rows[at + 1]}: the time {what} ({time[at]:.9g} s, then '
-                         f'{time[at + 1]:.9g} s); expected rising time stamps')

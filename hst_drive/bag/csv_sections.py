@@ -95,9 +95,13 @@ def _blocks(path: Path, channel_map: ChannelMap) -> Iterator[
                                  'data')
             layout = layout_of([line.rstrip('\n') for _, line in first], channel_map, str(path))
             numbered = chain(first[layout.lines:], numbered)
+            start = None
             while block := list(islice(numbered, _LINES)):
                 rows, lines = zip(*block)
-                yield layout.read([line.rstrip('\n') for line in lines], rows)
+                time, channels = layout.read([line.rstrip('\n') for line in lines], rows)
+                if start is None:
+                    start = time[0] if layout.dated else 0.0
+                yield time - start, channels
     except OSError as error:
         raise InputError(f'{path}: cannot be read: {error.strerror}') from None
 

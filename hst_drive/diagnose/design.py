@@ -117,7 +117,7 @@ def design(rig: Rig, models: Sequence[Model], channels: Iterable[str], *,
 
     """
     if not SHORTEST <= duration <= LONGEST:
-        raise InputError(f'--duration {duration:g}: expected {SHORTEST:g} to {LONGEST:g} s')
+        raise InputError(f'duration {duration:g}: expected {SHORTEST:g} to {LONGEST:g} s')
     work = Designer(rig, models, channels, closed_loop=closed_loop, likely=likely,
                     progress=progress)
     rated = work.search(max(duration / 2, SHORTEST))

@@ -63,10 +63,10 @@ def by_name(names: Sequence[str], channels: Iterable[str] = (),
         if name not in catalogue():
             near = get_close_matches(name, catalogue(), n=1)
             hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
-            raise InputError(f"--effects: unknown effect '{name}'; {hint}")
+            raise InputError(f"effects: unknown effect '{name}'; {hint}")
     names = tuple(dict.fromkeys(names))
     if len(names) < 2:
-        raise InputError('--effects: expected at least two effects to tell apart, with commas '
+        raise InputError('effects: expected at least two effects to tell apart, with commas '
                          'between them')
     beside = beside or Model()
     others = tuple(name for name in beside.effects if name not in names)

@@ -76,13 +76,13 @@ def _did(entry: Found) -> str:
 def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
              commissioned: bool) -> str:
     """Say of what nothing is missing: of what these logs could have shown."""
-    untold = f'; they could not have shown {listed(hidden)}' if hidden else ''
     missing, known = ('has changed since the machine was commissioned', 'what is known of it') \
         if commissioned else ('is missing', 'the tolerances')
-    return (f'Nothing larger than the sizes below {missing} in the balances of '
-            f'{listed([CHANNELS[name].title for name in ratios])} that these logs close{untold}: '
-            f'the model, calibrated within {known}, explains them down to the noise (worst '
-            f'held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
+    untold = f', but not {listed(hidden, "or")}' if hidden else ''
+    return (f'Nothing {missing}, as far as these logs show. They show the balances of '
+            f'{listed([CHANNELS[name].title for name in ratios])}, and effects from the sizes '
+            f'below on{untold}. The model, calibrated within {known}, explains them down to the '
+            f'noise (worst held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
 
 
 def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> str:
@@ -106,16 +106,16 @@ def odds(found: Probability) -> str:
                      if share >= 0.01)
 
 
-def listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str], last: str = 'and') -> str:
     """Write names with commas and an 'and'."""
-    return ' and '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
+    return f' {last} '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
 
 
 def beyond(unseen: Sequence[Outside]) -> str:
     """Tell what the machine was not commissioned for; '' if nothing."""
     return ('These logs go beyond what the machine was commissioned for: '
-            f'{listed([entry.told for entry in unseen])}; what shows only there may be as it '
-            'always was.' if unseen else '')
+            f'{listed([entry.told for entry in unseen])}. What shows only there may have been so '
+            'from the start.' if unseen else '')
 
 
 def limits(verdict: str, quantities: Sequence[str]) -> str:
@@ -127,10 +127,10 @@ def limits(verdict: str, quantities: Sequence[str]) -> str:
     else:
         sit, like = f'{listed(quantities)} sit at the limits of their tolerances', 'them'
     if verdict == 'unknown':
-        return f'Of the unit {sit}.'
+        return f'Of this unit, {sit}.'
     if verdict != 'none':
-        return f'But {sit}: what acts like {like} may be missing as well.'
-    return f'But {sit}: what acts like {like} may be missing; these logs cannot tell.'
+        return f'But {sit}: an effect that acts like {like} may be missing as well.'
+    return f'But {sit}: an effect that acts like {like} may be missing; these logs cannot tell.'
 
 
 def times(ratio: float) -> str:
@@ -142,5 +142,5 @@ def _stays(last: Mapping[str, float]) -> str:
     """Say what stays well above the noise though it counts as explained."""
     worst = max(last, key=last.get)
     return '' if last[worst] <= CLEAN_FITTED else (
-        f' {CHANNELS[worst].title.capitalize()} stays at {times(last[worst])} times: no more than '
-        'chance and other formulas of it make.')
+        f' {CHANNELS[worst].title.capitalize()} stays at {times(last[worst])} times the noise: '
+        'chance, and formulas that are never exact, explain that.')

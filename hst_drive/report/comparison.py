@@ -52,7 +52,7 @@ def text(result: Comparison, most_regions: int = 8) -> str:
         lines += ['', 'timing (measured against model):', *delays]
     left_out = [line for log in result.logs for line in _left_out(log)]
     if left_out:
-        lines += ['', "left out, as in 'diagnose' (--all judges it, too):", *left_out]
+        lines += ['', "not judged, nor by 'diagnose' ('compare --all' judges it):", *left_out]
     cut = [_told(log) for log in result.logs if log.sections]
     lines += ['', *cut] if cut else []
     return '\n'.join(lines)
@@ -67,7 +67,7 @@ def _left_out(log: LogComparison) -> list[str]:
         spans.append(f'and {seconds:.0f} s in {len(more)} more')
     lines = [f'{log.run.name}: {"; ".join(spans)}'] if spans else []
     lines += [f'{log.run.name}: {name}, of which no row can be judged' for name in log.unjudged]
-    return lines + [f'{log.run.name}: {why} would take {100 * share:.0f} % of the log: judged, too'
+    return lines + [f'{log.run.name}: {why} makes {100 * share:.0f} % of the log, so it is judged'
                     for why, share in log.judged.kept.items()]
 
 

@@ -24,7 +24,7 @@ def text(result: Diagnosis, short: bool = False) -> str:
     if short:
         return '\n'.join(lines)
     if result.rivals:
-        lines += ['', 'the next best, alone, and why they are not it:',
+        lines += ['', 'the next best effects, each alone, and why they are not the answer:',
                   *(f'  {name}: {reason}' for name, reason in result.rivals.items())]
     if result.next_test:
         lines += ['', f'to tell {", ".join(result.next_test.separates)} apart: '
@@ -88,7 +88,7 @@ def _described(unknown: Unknown) -> list[str]:
     if not unknown.terms and not unknown.formula:
         return [*on, f'what it is: {unknown.expression}']
     return [*on, f'formula: {unknown.expression}',
-            *([f'it explains {100 * unknown.explained:.0f} % of what is left there']
+            *([f'it explains {100 * unknown.explained:.0f} % of the error that is left there']
               if unknown.terms else []), _worth(unknown)]
 
 
@@ -96,9 +96,9 @@ def _worth(unknown: Unknown) -> str:
     """Say what the formula does to the error when it becomes part of the model."""
     formula = unknown.formula
     if formula is None:
-        return 'in the model no formula of these variables lowers the error: nothing to adopt'
+        return 'no formula of these variables lowers the error of the model: nothing to adopt'
     falls = ', '.join(f'{name} {formula.before[name]:.2f} to {formula.after[name]:.2f}'
                       for name in formula.before
                       if abs(formula.before[name] - formula.after[name]) >= 0.05)
-    return (f"in the model ('adopt --formula', {formula.id}) it brings held-out error over the "
-            f'noise down: {falls}')
+    return (f"'adopt --formula' puts it into the model ({formula.id}); held-out error over the "
+            f'noise then falls: {falls}')

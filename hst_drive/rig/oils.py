@@ -29,7 +29,7 @@ def oil_of(grade: str, path: str | None = None) -> Callable:
     name = names.get(grade.lower().replace(' ', ''))
     if name is None:
         near = get_close_matches(grade, map(str, grades), n=1)
-        raise InputError(f'--oil {grade}: not in {source}; '
+        raise InputError(f'oil {grade}: not in {source}; '
                          + (f"did you mean '{near[0]}'?" if near else
                             f'known: {", ".join(map(str, grades))}'))
     pair = grades[name]

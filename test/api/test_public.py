@@ -120,6 +120,19 @@ def test_frames(log):
     assert set(table['signal']) == set(hd.compare(log).noise_ratio)
 
 
+def test_dates_of_a_frame(log):
+    """A column or an index of dates, with a time zone or as text, is the time."""
+    pandas = pytest.importorskip('pandas')
+    frame = log.to_frame()
+    dates = pandas.Timestamp('2026-11-03 23:59:58') + pandas.to_timedelta(
+        frame.pop('time[s]') - log.run.time[0], unit='s')
+    for given in (frame.assign(time=dates), frame.assign(time=dates.dt.tz_localize('UTC')),
+                  frame.assign(time=dates.astype(str)), frame.set_index(dates.rename(None)),
+                  frame.assign(time=dates - dates[0])):
+        np.testing.assert_allclose(hd.read_log(given).run.time, log.run.time - log.run.time[0],
+                                   atol=1e-6)
+
+
 def test_without_pandas(log, monkeypatch):
     """One line says what to install."""
     monkeypatch.setitem(sys.modules, 'pandas', None)
@@ -175,7 +188,9 @@ def test_losses_of_a_table_are_those_of_its_file(tmp_path):
 
 
 @pytest.mark.parametrize('given, told', [
+    ({}, 'has no columns'),
     ({'motor_speed[rpm]': range(20)}, 'no column time'),
+    ({'time': range(20), 'motor_speed[rpm]': range(20)}, "'time' has no unit"),
     ({'time[s]': range(20), 'motor_speed': range(20)}, 'has no unit'),
     ({'time[s]': range(20), 'motor_speed[rpm]': ['fast'] * 20}, 'other things than numbers'),
     ({'time[s]': range(20), 'motor_speed[rpm]': range(19)}, '19 values'),
@@ -196,11 +211,32 @@ def test_tables_that_cannot_be_used(given, told):
     (lambda: hd.compare([]), 'there is none'),
     (lambda: hd.read_log({}, channels=5), 'channels: found int, expected the path'),
     (lambda: hd.adopt(None), 'diagnosis: found NoneType, expected what diagnose returned'),
-    (lambda: hd.effects(5), "unknown effect '5'")])
+    (lambda: hd.effects(5), 'effects: found 5, expected the id'),
+    (lambda: hd.load_rig(5), 'rig: found int, expected the path'),
+    (lambda: hd.load_rig().with_effects('motor_leakage'), 'expected a mapping'),
+    (lambda: hd.load_rig().save(5), 'path: found int'),
+    (lambda: hd.simulate('paper_step', effects=3), 'effects: found 3, expected ids'),
+    (lambda: hd.simulate('paper_step', effects=['motor_leek']), "did you mean 'motor_leakage'"),
+    (lambda: hd.simulate('paper_step', effects={'motor_leakage': None}), 'expected a mapping'),
+    (lambda: hd.simulate('paper_step', seed=-1), 'seed: found -1'),
+    (lambda: hd.design(effects='motor_leakage'), 'at least two effects'),
+    (lambda: hd.design(effects=['motor_leakage', 'pump_leakage'], duration='2 min'),
+     "duration: found '2 min', expected a number"),
+    (lambda: hd.losses(None), 'table: found NoneType, expected a path'),
+    (lambda: hd.diagnose(3, progress='x'), 'log: found int'),
+    (lambda: hd.losses({}, oil=None), 'oil: found None')])
 def test_arguments_of_another_kind(call, told):
     """They get the line that a wrong file gets."""
     with pytest.raises(hd.InputError, match=told):
         call()
+
+
+def test_parts_that_are_not_there(log):
+    """A span without samples and a log that is none are refused."""
+    with pytest.raises(hd.InputError, match='no samples from 1e.06 to 2e.06 s; it goes from'):
+        log.between(1e6, 2e6)
+    with pytest.raises(hd.InputError, match='log: found 1, expected 0 to 0'):
+        hd.compare(log).curves(1)
 
 
 @pytest.mark.parametrize('effect, told', [

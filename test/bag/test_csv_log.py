@@ -68,6 +68,31 @@ def test_units_in_round_brackets_count_too(tmp_path, header):
     assert run['case_drain_flow'][0] == pytest.approx(1e-5)
 
 
+@pytest.mark.parametrize('stamp', [
+    '2026-11-03 12:0{}:{:05.2f}', '2026-11-03T12:0{}:{:05.2f}Z', '3.11.2026 9:0{}:{:05.2f}+02:00',
+    '9:0{}:{:05.2f}', '12:0{}:{:05.2f}'])
+@pytest.mark.parametrize('comma', [False, True])
+@pytest.mark.parametrize('reader', [
+    read_csv, lambda path: next(csv_sections(path, ChannelMap(), 1e3, 0.0, 0.0)).run])
+def test_stamps_may_be_dates(tmp_path, stamp, comma, reader):
+    times = 59.0 + 0.05 * np.arange(40)
+    rows = [f'{k};' + stamp.format(int(time // 60), time % 60) for k, time in enumerate(times)]
+    text = '\n'.join(['motor_speed[rpm];time', *rows])
+    path = tmp_path / 'dates.csv'
+    path.write_text(text.replace('.', ',') if comma and '.2026' not in text else text)
+    run = reader(path)
+    np.testing.assert_allclose(run.time, times - 59.0, atol=1e-6)
+    np.testing.assert_allclose(run['motor_speed'], np.arange(40) * np.pi / 30)
+
+
+@pytest.mark.parametrize('stamp', ['11/03/2026 12:00:00', '2026', 'noon', '2026-13-03 12:00:00'])
+def test_what_is_no_date_is_refused(tmp_path, stamp):
+    path = save(tmp_path, 'time,motor_speed[rpm]', ['2026-11-03 12:00:00,1', f'{stamp},2'])
+    with pytest.raises(InputError, match='no unit' if stamp == '2026' else "row 3, column 'time': "
+                       f"expected a date like 2026-11-03 12:00:01.25, found '{stamp}'"):
+        read_csv(path)
+
+
 @pytest.mark.parametrize('above', [False, True])
 @pytest.mark.parametrize('reader', [
     read_csv, lambda path: next(csv_sections(path, ChannelMap(), 10.0, 0.0, 0.0)).run])
@@ -139,7 +164,7 @@ def test_unknown_and_empty_columns_are_noted(tmp_path):
     ('', [], 'empty'),
     ('# nothing', [], 'only comments'),
     (HEADER, [], 'no rows'),
-    ('time,motor_speed', ROWS, r"'time' has no unit; write it as time\[s\]"),
+    ('time,motor_speed[rpm]', ROWS, r"'time' has no unit; write it as time\[s\]"),
     ('time[s],motor_speed', ROWS, r"'motor_speed' has no unit; write it as motor_speed\[rpm\]"),
     (ROWS[0], ROWS[1:], 'no header'),
     (HEADER, swap(22, '0.20,abc'), r"row 22, column 'motor_speed\[rpm\]'.*'abc'"),

@@ -83,7 +83,7 @@ def test_since_is_commission_and_diagnose_in_one_step(files, tmp_path, capsys):
     assert found['since']['since'] == [str(files / 'old.csv')]
     healthy = diagnose(capsys, files / 'other.csv', '--rig', files / 'make.yaml', '--since',
                        files / 'old.csv')[1]
-    assert healthy.startswith('Nothing larger than the sizes below has changed')
+    assert healthy.startswith('Nothing has changed since the machine was commissioned, as far as')
     twice = diagnose(capsys, files / 'old.csv', '--rig', files / 'make.yaml', '--since',
                      files / 'old.csv')
     assert twice[0] == 2 and 'given twice' in twice[2]

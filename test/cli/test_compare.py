@@ -135,7 +135,7 @@ def lines(log):
 
 BAD = {
     'empty': (lambda head, rows: '', 'the file is empty'),
-    'no units': (lambda head, rows: 'time,motor_speed\n0,1\n1,1\n', "'time' has no unit"),
+    'no units': (lambda head, rows: 'time,motor_speed[rpm]\n0,1\n1,1\n', "'time' has no unit"),
     'text': (lambda head, rows: head + ''.join(
         row.rsplit(',', 1)[0] + ',abc\n' for row in rows), "expected a number, found 'abc'"),
     'time back': (lambda head, rows: head + ''.join(rows[:50] + rows[40:]), 'runs back'),
@@ -264,7 +264,7 @@ def test_what_is_left_out_is_told(run, tmp_path, capsys):
                                           'motor_speed': rest}))
     out = command(capsys, path)[1]
     assert 'low: 0.00 to 1.10 s (start from rest)' in out
-    assert 'low: cavitation would take 25 % of the log: judged, too' in out
+    assert 'low: cavitation makes 25 % of the log, so it is judged' in out
 
 
 def test_files_are_written_though_nobody_reads_the_text(log, tmp_path):

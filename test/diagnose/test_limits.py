@@ -37,8 +37,9 @@ def test_none_tells_first_what_it_could_not_have_seen():
     rig, runs, held = as_runs(make_campaign(45, {}, channels=channels))
     found = diagnose(rig, runs, held)
     assert found.verdict == 'none'
-    first = found.sentence.partition(': the model')[0]
-    assert first.startswith('Nothing larger than the sizes below is missing in the balances of ')
-    assert 'load torque' not in first and 'that these logs close' in first
+    first = found.sentence.partition('The model')[0]
+    assert first.startswith(
+        'Nothing is missing, as far as these logs show. They show the balances of ')
+    assert 'load torque' not in first and 'effects from the sizes below on' in first
     assert 'torque_sensor_scale' in found.not_observable
     assert all(name in first for name in found.not_observable)

@@ -8,12 +8,14 @@ import pytest
 
 @pytest.mark.parametrize('verdict, quantities, told', [
     ('none', [], ''),
-    ('none', ['pump.leakage'], 'But pump.leakage sits at the limit of its tolerance: what acts '
-                               'like it may be missing; these logs cannot tell.'),
+    ('none', ['pump.leakage'],
+     'But pump.leakage sits at the limit of its tolerance: an effect that acts like it may be '
+     'missing; these logs cannot tell.'),
     ('ambiguous', ['pump.leakage', 'motor.leakage', 'motor.inertia'],
      'But pump.leakage, motor.leakage and motor.inertia sit at the limits of their tolerances: '
-     'what acts like them may be missing as well.'),
-    ('unknown', ['pump.leakage'], 'Of the unit pump.leakage sits at the limit of its tolerance.'),
+     'an effect that acts like them may be missing as well.'),
+    ('unknown', ['pump.leakage'],
+     'Of this unit, pump.leakage sits at the limit of its tolerance.'),
 ])
 def test_limits_are_told_in_one_sentence(verdict, quantities, told):
     assert limits(verdict, quantities) == told

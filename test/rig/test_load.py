@@ -11,6 +11,8 @@ from hst_drive.model.part import PartModel
 from hst_drive.model.steady import operating_point
 from hst_drive.resources import share
 from hst_drive.rig import default_rig, load_rig, parse_rig
+from hst_drive.rig.meanings import MEANINGS
+from hst_drive.rig.schema import SECTIONS
 import numpy as np
 import pytest
 import yaml
@@ -271,3 +273,8 @@ def test_adopted_effects_and_calibration_reach_the_model():
 def test_an_oil_that_nobody_knows():
     with pytest.raises(InputError, match="'line.oil_grade' is 'ISO VG 47'; known: ISO VG 10"):
         Drive(parse_rig(changed('line.oil_grade', 'ISO VG 47'), 'my_rig.yaml'))
+
+
+def test_each_key_has_a_meaning():
+    assert {section: set(keys) for section, keys in SECTIONS.items()} == {
+        section: set(keys) for section, keys in MEANINGS.items()}
