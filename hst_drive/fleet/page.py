@@ -9,7 +9,8 @@ from hst_drive.fleet.picture import picture
 from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
 from hst_drive.fleet.track import OIL
-from hst_drive.fleet.words import amount, day, due, goes, of_machine, rate, sentence, since, size
+from hst_drive.fleet.words import (
+    amount, day, due, goes, many, of_machine, rate, sentence, since, size)
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
 
@@ -28,6 +29,7 @@ _STYLE = """
 .overview td, .overview th { white-space: normal; }
 .overview table { width: 100%; }
 .overview td:is(:nth-child(4), :nth-child(6)) { min-width: 10.5rem; }
+.overview td:nth-child(5) { min-width: 6.5rem; }
 @media (max-width: 50rem) {
   .overview thead, .overview td:empty { display: none; }
   .overview tbody, .overview tr, .overview :is(th, td) { display: block; border: 0; padding: 0; }
@@ -58,7 +60,7 @@ def fleet_page(name: str, rows: Sequence[dict], summary: Summary) -> str:
     """
     title = f'Fleet {name}' if name else 'Fleet'
     dates = sorted(row['date'] for row in rows if row['date'])
-    facts = [f'{len(summary.machines)} machines', f'{len(rows)} campaigns',
+    facts = [many(len(summary.machines), 'machine'), many(len(rows), 'campaign'),
              *([f'{dates[0]} to {dates[-1]}'] if dates else [])]
     blocks = [
         element('header', element('h1', title),

@@ -133,7 +133,7 @@ def sentence(summary: Summary) -> str:
     """Say the most important of a fleet."""
     count = Counter(machine.state for machine in summary.machines)
     parts = [f'{count[state]} {state}' for state in STATES if count[state]]
-    text = f'{_many(len(summary.machines), "machine")}: {", ".join(parts)}.'
+    text = f'{many(len(summary.machines), "machine")}: {", ".join(parts)}.'
     for machine in summary.machines:
         if machine.state in (REACHED, AHEAD, GROWS) and machine.followed:
             entry = machine.followed[0]
@@ -144,11 +144,12 @@ def sentence(summary: Summary) -> str:
         text += ' Unlike the others: ' + ', '.join(dict.fromkeys(
             entry.point.machine for entry in summary.outliers[:_MOST])) + '.'
     if summary.failures:
-        text += f' {_many(len(summary.failures), "campaign")} could not be judged.'
+        text += f' {many(len(summary.failures), "campaign")} could not be judged.'
     return text
 
 
-def _many(count: int, what: str) -> str:
+def many(count: int, what: str) -> str:
+    """Return so many of something in words."""
     return f'{count} {what}{"" if count == 1 else "s"}'
 
 
