@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from itertools import product
 import json
 from pathlib import Path
 import random
@@ -39,7 +40,7 @@ EFFECTS = {'motor_leakage': ('laminar', 'speed_dependent', 'mixed'),
            'entrained_air': ('polytropic', 'isothermal', 'henry')}
 HEALTHY = ('another day', 'another temperature', 'another rock')
 _LOGS = ('drilling', 'speed_sweep')
-_SECONDS, _RATE = 20.0, 50.0
+_SECONDS, _RATE = 30.0, 100.0
 _FIRST = 910_000    # seed
 
 
@@ -72,8 +73,8 @@ def judged(content: dict, runs: list[Run]) -> dict:
                              for name in (entry.id, *entry.indistinguishable_from)})}
 
 
-def trials(machine: int, done: dict[tuple, dict]) -> Iterator[dict]:
-    """Yield what is left to be tried on a machine, as rows."""
+def trials(machine: int, done: dict[tuple, dict], own: bool) -> Iterator[dict]:
+    """Yield what is left to be tried on a machine, by its own file or its datasheet, as rows."""
     if (machine, 'commissioned') in done and not done[machine, 'commissioned']['unit']:
         return
     sheet, first = day(machine, 0)
@@ -89,23 +90,22 @@ def trials(machine: int, done: dict[tuple, dict]) -> Iterator[dict]:
         yield row
     if row['unit'] is None:
         return
-    units = {True: row['unit'], False: sheet}
+    content = row['unit'] if own else sheet
     for number, what in enumerate(HEALTHY, 10):
-        if (machine, what) not in done:
-            yield {'key': [machine, what], **judged(units[True], healthy(machine, what, number))}
+        if own and (machine, what) not in done:
+            yield {'key': [machine, what], **judged(content, healthy(machine, what, number))}
     for number, (effect, forms) in enumerate(EFFECTS.items(), 20):
         form = random.Random(_FIRST + 1000 * machine + number).choice(forms)
-        for own, content in units.items():
-            place, found = DOSES.index(START[own]), {}
-            while 0 <= place < len(DOSES) and place not in found:
-                key = (machine, effect, own, DOSES[place])
-                row = done.get(key)
-                if row is None:
-                    runs = day(machine, number, {effect: {'size': DOSES[place], 'form': form}})[1]
-                    row = {'key': [*key], 'form': form, **judged(content, runs)}
-                    yield row
-                found[place] = effect in row['named']
-                place += -1 if found[place] else 1
+        place, found = DOSES.index(START[own]), {}
+        while 0 <= place < len(DOSES) and place not in found:
+            key = (machine, effect, own, DOSES[place])
+            row = done.get(key)
+            if row is None:
+                runs = day(machine, number, {effect: {'size': DOSES[place], 'form': form}})[1]
+                row = {'key': [*key], 'form': form, **judged(content, runs)}
+                yield row
+            found[place] = effect in row['named']
+            place += -1 if found[place] else 1
 
 
 def thresholds(done: dict[tuple, dict]) -> dict[tuple[str, bool], list[float]]:
@@ -156,8 +156,8 @@ def main() -> None:
         if output.exists() else []
     done = {tuple(row['key']): row for row in rows}
     with output.open('a', encoding='utf-8') as file:
-        for machine in range(args.machines):
-            for row in trials(machine, done):
+        for own, machine in product((True, False), range(args.machines)):
+            for row in trials(machine, done, own):
                 done[tuple(row['key'])] = row
                 file.write(json.dumps(row) + '\n')
                 file.flush()

@@ -158,12 +158,13 @@ def main() -> None:
     """Make what is missing, follow the fleet and print what was told."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--folder', default='life')
-    parser.add_argument('--machines', type=int, default=len(LIVES))
+    parser.add_argument('--machines', type=int, nargs='+', default=range(1, len(LIVES) + 1),
+                        help='numbers of those to follow (default: all)')
     parser.add_argument('--workers', type=int, default=1)
     args = parser.parse_args()
     folder = Path(args.folder)
-    for number, life in enumerate(LIVES[:args.machines]):
-        make(folder / 'logs', number, life)
+    for number in args.machines:
+        make(folder / 'logs', number - 1, LIVES[number - 1])
     limits = [f'--limit={name}={LIMIT * EFFECTS[name].typical[number]:.6g}'
               for name, (_, number, _) in WEAR.items()]
     subprocess.run([sys.executable, '-m', 'hst_drive', 'fleet', str(folder / 'logs'), '--results',
@@ -173,8 +174,8 @@ def main() -> None:
     machines = {entry['name']: entry
                 for entry in json.loads((folder / 'fleet.json').read_text())['machines']}
     count: dict[str, list[bool]] = {}
-    for number, life in enumerate(LIVES[:args.machines]):
-        name = f'rig_{number + 1:02}'
+    for number in args.machines:
+        life, name = LIVES[number - 1], f'rig_{number:02}'
         found = told(machines[name], life)
         print(name, life, found, *machines[name]['told'], sep='\n  ')
         for what, right in found.items():

@@ -9,7 +9,8 @@ from hst_drive.fleet.picture import picture
 from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
 from hst_drive.fleet.track import OIL
-from hst_drive.fleet.words import amount, day, goes, of_machine, sentence, since, size, until
+from hst_drive.fleet.words import (
+    amount, day, due, goes, many, of_machine, rate, sentence, since, size)
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
 
@@ -27,12 +28,18 @@ _STYLE = """
   gap: 0 1.4rem; }
 .overview td, .overview th { white-space: normal; }
 .overview table { width: 100%; }
+.overview td:is(:nth-child(4), :nth-child(6)) { min-width: 10.5rem; }
+.overview td:nth-child(5) { min-width: 6.5rem; }
 @media (max-width: 50rem) {
-  .overview thead, .overview :is(:nth-child(4), :nth-child(5), :nth-child(7), :nth-child(8)):is(
-    th, td) { display: none; }
+  .overview thead, .overview td:empty { display: none; }
   .overview tbody, .overview tr, .overview :is(th, td) { display: block; border: 0; padding: 0; }
   .overview tr { border-top: 1px solid var(--line); padding: .4rem 0; }
   .overview :is(th, td):nth-child(-n+2) { display: inline-block; margin-right: .6rem; }
+  .overview td:nth-child(n+4)::before { color: var(--soft); }
+  .overview td:nth-child(4)::before { content: 'now '; }
+  .overview td:nth-child(5)::before { content: 'since '; }
+  .overview td:nth-child(6)::before { content: 'limit '; }
+  .overview td:nth-child(8)::before { content: 'last log '; }
 }
 """
 
@@ -53,7 +60,7 @@ def fleet_page(name: str, rows: Sequence[dict], summary: Summary) -> str:
     """
     title = f'Fleet {name}' if name else 'Fleet'
     dates = sorted(row['date'] for row in rows if row['date'])
-    facts = [f'{len(summary.machines)} machines', f'{len(rows)} campaigns',
+    facts = [many(len(summary.machines), 'machine'), many(len(rows), 'campaign'),
              *([f'{dates[0]} to {dates[-1]}'] if dates else [])]
     blocks = [
         element('header', element('h1', title),
@@ -91,14 +98,16 @@ def _overview(summary: Summary) -> Markup:
         last = machine.events[-1] if machine.events else None
         rows.append([
             element('a', machine.name, href=f'#machine-{number}'), _badge(machine),
-            f'{entry.effect}: {goes(entry)}' if entry else '', size(entry) if entry else '',
-            since(entry).removeprefix('since ') if entry else '', until(entry) if entry else '',
-            f'{last.what} (by {day(last.before)})' if last else '',
+            join([element('strong', entry.effect), goes(entry) + (
+                f' by {rate(entry)}' if entry.grows else '')], ': ') if entry else '',
+            size(entry) if entry else '',
+            since(entry).removeprefix('since ') if entry else '', due(entry) if entry else '',
+            f'{day(last.after)} to {day(last.before)}: {last.what}' if last else '',
             element('span', machine.last, style='white-space: nowrap')])
     return section(
         'urgency', 'By urgency', element('div', table(
-            ['machine', 'state', 'what', 'now (95 %)', 'grows since', 'limit',
-             'last event', 'last log'], rows,
+            ['machine', 'state', 'what', 'now (95 %)', 'since', 'limit reached', 'last event',
+             'last log'], rows,
             'Machines, the most urgent first'), class_='overview'))
 
 

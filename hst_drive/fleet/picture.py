@@ -13,8 +13,9 @@ from hst_drive.report.markup import element, Markup
 from hst_drive.units import for_people
 import numpy as np
 
-_WIDTH, _HEIGHT = 640, 240
-_LEFT, _RIGHT, _TOP, _BOTTOM = 64, 14, 22, 30
+_WIDTH, _HEIGHT = 420, 230     # as wide as a telephone: there letters keep their size
+_LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 22, 30
+_LABELS = 5             # most dates at the axis
 _AHEAD = 0.5            # of the history, that is shown of what comes
 _STEPS = 40             # of the band
 _PROMINENT = 3.0        # times the largest size: a limit further off is told, not drawn
@@ -77,8 +78,8 @@ def picture(entry: Followed, label: str) -> Markup:
                              text_anchor='middle', fill=SOFT))
     parts.append(element('line', x1=f'{x(now):.1f}', x2=f'{x(now):.1f}', y1=_TOP,
                          y2=_HEIGHT - _BOTTOM, stroke='#8c959f', stroke_dasharray='2 3'))
-    parts.append(element('text', 'last log', x=f'{x(now) + 4:.1f}', y=_HEIGHT - _BOTTOM - 5,
-                         font_size=11, fill=SOFT))
+    parts.append(element('text', 'last log', x=f'{x(now):.1f}', y=_TOP - 8, font_size=11,
+                         text_anchor='middle', fill=SOFT))
     if drawn:
         parts += [element('line', x1=_LEFT, x2=_WIDTH - _RIGHT, y1=f'{y(limit):.1f}',
                           y2=f'{y(limit):.1f}', stroke=RED, stroke_width=1.5,
@@ -91,7 +92,7 @@ def picture(entry: Followed, label: str) -> Markup:
                           stroke=SOFT),
                   element('circle', cx=f'{x(at):.1f}', cy=f'{y(value):.1f}', r=3.2, fill=BLUE)]
     return element('svg', *parts, viewBox=f'0 0 {_WIDTH} {_HEIGHT}', role='img',
-                   style='width: 100%; height: auto; max-width: 46rem',
+                   style='width: 100%; height: auto; max-width: 34rem',
                    aria_label=f'{label}. {until(entry)}')
 
 
@@ -133,9 +134,9 @@ def _ticks(low: float, high: float) -> list[float]:
 def _days(first: float, end: float) -> list[tuple[float, str]]:
     """Return the days to write at the axis: days of a month, months or years."""
     if end - first < 120.0:
-        return [(at, day(at)[5:]) for at in np.linspace(first, end, 5)[:-1]]
+        return [(at, day(at)[5:]) for at in np.linspace(first, end, _LABELS)[:-1]]
     months = next((step for step in (1, 3, 6, 12, 24, 60, 120)
-                   if (end - first) / 30.4 / step <= 8), 240)
+                   if (end - first) / 30.4 / step <= _LABELS), 240)
     begin, last = date.fromordinal(round(first)), date.fromordinal(round(end))
     found = []
     for number in range(begin.year * 12, last.year * 12 + 12, months):

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections import Counter
 from datetime import date
 import math
+from typing import Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.fleet.summary import (
@@ -40,14 +41,17 @@ def amount(value: float, unit: str) -> str:
 
 def size(entry: Followed) -> str:
     """Return the size now with its interval."""
-    low, middle, high = (amount(value, entry.unit) for value in entry.growth.level)
-    return f'{middle} ({low.partition(" ")[0]} to {high})'
+    return _with_interval(entry.growth.level, entry.unit)
 
 
 def rate(entry: Followed) -> str:
     """Return the growth a year with its interval."""
-    low, middle, high = (amount(_YEAR * value, entry.unit) for value in entry.growth.rate)
-    return f'{middle} a year ({low.partition(" ")[0]} to {high})'
+    return _with_interval([_YEAR * value for value in entry.growth.rate], entry.unit) + ' a year'
+
+
+def _with_interval(values: Sequence[float], unit: str) -> str:
+    low, (middle, _, shown), high = (amount(value, unit).partition(' ') for value in values)
+    return f'{middle} ({low[0]} to {high[0]}) {shown}'
 
 
 def since(entry: Followed) -> str:
@@ -57,7 +61,7 @@ def since(entry: Followed) -> str:
         return ''
     first = growth.history.days[0]
     return f'since {day(growth.since)}' if growth.since > first + 1.0 else \
-        f'since the first date ({day(first)}) or before'
+        f'since {day(first)} (the first log) or before'
 
 
 def trend(entry: Followed) -> str:
@@ -77,22 +81,28 @@ def trend(entry: Followed) -> str:
 
 def until(entry: Followed) -> str:
     """Say when the limit is reached; empty without a limit, or with too few dates to say."""
-    if entry.limit is None:
+    when = due(entry)
+    if not when:
         return ''
-    limit = amount(entry.limit, entry.unit)
+    far_off = ' as it goes now' if when.startswith('not within') else ''
+    return f'limit of {amount(entry.limit or 0.0, entry.unit)}: {when}{far_off}'
+
+
+def due(entry: Followed) -> str:
+    """Return when the limit is reached, with its interval, as a manager notes it down."""
     if entry.remaining is None:
         return ''
     low, middle, high, reached = entry.remaining
     end = entry.growth.now + _FAR * _YEAR
     if reached > 0.5:
-        return f'{limit} is reached already'
+        return 'reached already'
     if low > end:
-        return f'{limit} is not reached within {_FAR:g} years as it goes now'
+        return f'not within {_FAR:g} years'
     if middle > end:
-        return f'{limit} is not reached before {day(low)}'
+        return f'not before {day(low)}'
     if high > end:
-        return f'{limit} is reached about {day(middle)}, not before {day(low)}; perhaps much later'
-    return f'{limit} is reached about {day(middle)}, between {day(low)} and {day(high)}'
+        return f'about {day(middle)} (not before {day(low)}; perhaps much later)'
+    return f'about {day(middle)} ({day(low)} to {day(high)})'
 
 
 def goes(entry: Followed) -> str:
@@ -109,7 +119,7 @@ def of_machine(machine: Machine) -> list[str]:
             continue
         if entry.there or entry.growth.kind != 'steady':
             told.append(f'{entry.effect} ({title(entry.effect)}): now {size(entry)}; '
-                        f'{trend(entry)}.' + (f' {until(entry)}.' if until(entry) else ''))
+                        f'{trend(entry)}.' + (f' Its {until(entry)}.' if until(entry) else ''))
     told += [f'Between {day(event.after)} and {day(event.before)}: {event.what}.'
              for event in machine.events]
     if not told:
@@ -123,22 +133,23 @@ def sentence(summary: Summary) -> str:
     """Say the most important of a fleet."""
     count = Counter(machine.state for machine in summary.machines)
     parts = [f'{count[state]} {state}' for state in STATES if count[state]]
-    text = f'{_many(len(summary.machines), "machine")}: {", ".join(parts)}.'
+    text = f'{many(len(summary.machines), "machine")}: {", ".join(parts)}.'
     for machine in summary.machines:
         if machine.state in (REACHED, AHEAD, GROWS) and machine.followed:
             entry = machine.followed[0]
-            why = goes(entry) if machine.state == GROWS else f'limit {until(entry)}'
-            text += f' First to see to: {machine.name} ({entry.effect}: {why}).'
+            why = goes(entry) if machine.state == GROWS else until(entry)
+            text += f' First to see to: {machine.name} ({entry.effect}, {why}).'
             break
     if summary.outliers:
         text += ' Unlike the others: ' + ', '.join(dict.fromkeys(
             entry.point.machine for entry in summary.outliers[:_MOST])) + '.'
     if summary.failures:
-        text += f' {_many(len(summary.failures), "campaign")} could not be judged.'
+        text += f' {many(len(summary.failures), "campaign")} could not be judged.'
     return text
 
 
-def _many(count: int, what: str) -> str:
+def many(count: int, what: str) -> str:
+    """Return so many of something in words."""
     return f'{count} {what}{"" if count == 1 else "s"}'
 
 

@@ -51,8 +51,14 @@ def write_yaml(data: Mapping, target: str | os.PathLike) -> None:
     """Write a mapping as YAML, in its order and with short lists on one line, whole or not."""
     import yaml
 
-    write_text(yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=99,
-                              allow_unicode=True), target)
+    class Plain(yaml.SafeDumper):
+        """People read and edit it: what stands twice is written twice, not as '*id001'."""
+
+        def ignore_aliases(self, data: object) -> bool:
+            return True
+
+    write_text(yaml.dump(data, Dumper=Plain, sort_keys=False, default_flow_style=None, width=99,
+                         allow_unicode=True), target)
 
 
 def check_target(target: str | os.PathLike) -> None:

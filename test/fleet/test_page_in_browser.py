@@ -29,5 +29,7 @@ def test_what_is_urgent_is_read_without_scrolling_sideways(browser, tmp_path, wi
     assert watched.overflow() <= 0 and watched.page.evaluate(_WIDE) == 0
     first = watched.page.inner_text('.overview tbody tr:first-child')
     assert 'far <off>' in first and 'limit reached' in first and 'reached already' in first
+    second = watched.page.inner_text('.overview tbody tr:nth-child(2)')
+    assert all(told in second for told in ('grows by', 'the first log', 'about 20'))
     assert watched.page.locator('.machine svg').count() == len(summary.machines)
     assert watched.problems == [] and len(watched.requests) == 1

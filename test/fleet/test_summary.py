@@ -42,7 +42,7 @@ def test_the_most_urgent_comes_first(summary):
     assert names.index('steady') < names.index('sound')
     assert sentence(summary).startswith(
         '13 machines: 1 limit reached, 1 limit ahead, 7 steady fault, 3 nothing found, '
-        '1 not judged. First to see to: far <off> (motor_leakage: limit 0.0096 L/min/bar is ')
+        '1 not judged. First to see to: far <off> (motor_leakage, limit of 0.0096 L/min/bar: ')
 
 
 def test_wear_is_told_with_its_end(machines):
