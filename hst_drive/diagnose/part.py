@@ -57,6 +57,7 @@ class PartCampaign(Campaign):
             self.finest = _CIRCUIT_FINEST
         super().__init__(rig, runs, holdout)
         self._named = bool(holdout)
+        self._typical: dict[str, dict[str, float]] = {}
         self._still = self.errors(Model())
         self.tolerances = {key: value for key, value in self.tolerances.items()
                            if self._moves(Model({}, {key: value}))}
@@ -141,6 +142,11 @@ class PartCampaign(Campaign):
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters to start from; one that moves nothing here stays neutral."""
+        if name not in self._typical:
+            self._typical[name] = self._moving(name)
+        return dict(self._typical[name])
+
+    def _moving(self, name: str) -> dict[str, float]:
         values = super().typical(name)
         if name in self.adopted:
             return values

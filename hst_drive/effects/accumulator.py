@@ -22,11 +22,17 @@ def compliance(pump_pressure, line_volume, gas_volume, precharge, exponent):
     return gas / (exponent * absolute * line_volume)
 
 
+def one_line(gas_volume, where):
+    """Return the line that it stands on."""
+    return where if gas_volume > 0.0 else 0.0
+
+
 EFFECT = Effect(
     id='accumulator',
     title='a gas accumulator gives and takes oil above its precharge',
     slot='compliance',
     function=compliance,
+    also=(('one_line', one_line),),
     equation='1/K = 1/K_oil + gas_volume * (p0/p)^(1/n) / (n*p*V) where p > p0, smooth from p0 '
              'to 1.2 p0; p0 = precharge, n = exponent, p absolute',
     parameters=(
@@ -35,6 +41,8 @@ EFFECT = Effect(
                   neutral=3e6),
         Parameter('exponent', '1', 1.0, 1.6, 1.4, 'polytropic exponent of the gas',
                   neutral=1.4, usual=(1.4, 1.0)),
+        Parameter('where', '1', -1.0, 1.0, 0.0, 'in a closed circuit: 1 on line A, -1 on line B, '
+                  '0 on both', fixed=True),
     ),
     telltale='Above some pressure the drive is soft: pressure follows slowly and swings at a low '
              'frequency; below it all is as it should be.',
@@ -44,5 +52,5 @@ EFFECT = Effect(
            '(1990).',
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed'),
     starts=({'precharge': 1e6}, {'precharge': 6e6}, {'precharge': 1e7},
-            {'gas_volume': 3e-4}),
+            {'gas_volume': 3e-4}, {'where': 1.0}, {'where': -1.0}),
 )

@@ -46,6 +46,9 @@ SLOTS: dict[str, Slot] = {
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
     'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
+    'charge_wear': Slot('flow', '1', "share of the charge pump's delivery that is lost"),
+    'one_line': Slot('flow', '1', 'where compressibility is added: 1 in line A, -1 in line B, '
+                     '0 in both'),
     'pump_torque_loss': Slot('torque', 'N.m', 'torque at the pump shaft beyond its sheet'),
     'motor_flow_loss': Slot('flow', 'm^3/s', 'lost in the hydromotor, behind the flow meter'),
     'cross_port_flow': Slot('flow', 'm^3/s', 'passes from the high line to the low one'),
@@ -78,8 +81,8 @@ SLOTS: dict[str, Slot] = {
 }
 
 # Places that the open circuit has not.
-OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'gear_twist',
-                               'valve_command', 'valve_lag'})
+OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
+                               'gear_twist', 'valve_command', 'valve_lag'})
 
 # What an effect may read: name -> unit. Constants of the rig stand beside signals.
 READABLE: dict[str, str] = {
@@ -107,6 +110,7 @@ _KNOWN: dict[str, frozenset[str]] = {
     'cross_port_flow': _BALANCES | {'pump_speed'},
     'charge_pressure': frozenset({'pump_speed', 'oil_temperature', 'viscosity_ratio'}),
     'gear_twist': frozenset({'pressure', 'motor_displacement'}),
+    **dict.fromkeys(('charge_wear', 'one_line'), frozenset()),
     **dict.fromkeys(('valve_command', 'valve_lag'), frozenset({'valve_command'})),
     'pump_torque_loss': _COMMANDS | {'pump_speed'},
     'motor_torque_loss': frozenset(READABLE), 'motor_torque': frozenset(READABLE),
@@ -230,6 +234,9 @@ class Effect:
         effect can take its form, and it is tried in that one's place), or 'never'.
     both_ways : bool
         Whether only logs that turn both ways tell it from what is alike, which comes first.
+    kept : bool
+        Whether what the delivery lacks (``pump_flow_loss``) is not taken in either, so that in a
+        closed circuit it is not lost.
 
     Raises
     ------
@@ -256,6 +263,7 @@ class Effect:
     gauge: str = ''
     searched: str = 'always'
     both_ways: bool = False
+    kept: bool = False
 
     def __post_init__(self):
         if not self.id.isidentifier():

@@ -47,5 +47,6 @@ EFFECT = Effect(
            'volumetric losses by compressibility; N. D. Manring, Hydraulic Control Systems, '
            'Wiley 2005.',
     shows_in=('motor_speed', 'motor_inlet_flow'),
+    kept=True,
     starts=({'in_motor': 1.0},),
 )

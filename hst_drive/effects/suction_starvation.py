@@ -39,5 +39,6 @@ EFFECT = Effect(
            'Ivantysynova, Hydrostatic Pumps and Motors, Akademia Books 2001; loss of delivery '
            'by cavitation: N. D. Manring, Fluid Power Pumps and Motors, McGraw-Hill 2013.',
     shows_in=('motor_speed', 'motor_inlet_flow'),
+    kept=True,
     starts=({'begins_at': 0.2}, {'begins_at': 0.7}),
 )

@@ -16,7 +16,9 @@ def pump_yield(pump_pressure, displacement, max_displacement, share_at_100_bar, 
                with_stroke):
     """Return what pressure takes from the displacement, m^3/rad."""
     yielding = (1.0 - with_stroke) * max_displacement + with_stroke * displacement
-    return share_at_100_bar * yielding * max(pump_pressure - begins_at, 0.0) / REFERENCE
+    # Where the pump brakes, the pistons press the other way.
+    beyond = max(pump_pressure - begins_at, 0.0) - max(-pump_pressure - begins_at, 0.0)
+    return share_at_100_bar * yielding * beyond / REFERENCE
 
 
 EFFECT = Effect(

@@ -26,8 +26,7 @@ from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 _SETTLES = 2.0      # s before the first row in which the actuator settles on its command
 _CHANGES = 0.3      # s before and after the lines change their parts that are not judged
 _TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
-# Of a signal's usual size: no maker's sheet tells more (ISO 4409, measurement class A: 0.5 %).
-_SHEET = 0.003
+_STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
@@ -117,16 +116,36 @@ class CircuitReplay(PartReplay):
         found = self._evaluated(model, self._channels)
         return float(np.median(np.abs(found[part.storage]))), part.state
 
-    def _evaluated(self, model: PartModel, channels: dict[str, np.ndarray], *,
+    def _width(self, name: str, model: PartModel) -> float:
+        width = super()._width(name, model)
+        return max(width, _STEADY / self.run.sample_time) if name == 'motor_speed' else width
+
+    def _behind(self, model: PartModel, channels: dict[str, np.ndarray]) -> np.ndarray | float:
+        """Return by how much the shaft is ahead of the reading of its speed, rad/s."""
+        first, second = (model.terms(f'speed_reading{kind}_lag', {}) for kind in ('', '_series'))
+        if not first + second or 'motor_speed' not in channels:
+            return 0.0
+        step = self.run.sample_time
+        width = self._widths.get('motor_speed', 0.0) or _STEADY / step
+        rate, bend = (gaussian_filter1d(channels['motor_speed'], width, order=order,
+                                        mode='nearest') / step**order for order in (1, 2))
+        # Two first-order lags in series: reading + (a + b) reading' + a b reading'' = shaft.
+        return (first + second) * rate + first * second * bend
+
+    def _true(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return channels as they are where a sensor reads something else."""
+        true = dict(channels)
+        for name in ('line_a_pressure', 'motor_speed'):
+            if name in true:
+                true[name] = true[name] - self._reading(model, channels, name, true[name])
+        return true
+
+    def _evaluated(self, model: PartModel, true: dict[str, np.ndarray], *,
                    free: str = '') -> dict[str, np.ndarray]:
         """Return the quantities with all measured states in place but ``free``."""
         assert isinstance(model, CircuitModel)
-        true = dict(channels)
         if self._ratio is not None:
-            true['viscosity_ratio'] = self._ratio
-        if 'line_a_pressure' in true:
-            true['line_a_pressure'] = true['line_a_pressure'] - self._reading(
-                model, channels, 'line_a_pressure', true['line_a_pressure'])
+            true = {**true, 'viscosity_ratio': self._ratio}
         told = {entry.name: true[entry.name] for entry in model.circuit.states
                 if entry.name in true and entry.name != free}
         if 'motor_angle' in self.inputs:
@@ -140,7 +159,8 @@ class CircuitReplay(PartReplay):
         """Predict each signal from the others; see ``PartReplay.predict``."""
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        found = self._evaluated(model, channels)
+        true = self._true(model, channels)
+        found = self._evaluated(model, true)
         signals = {}
         for signal, name in self.balances.items():
             quantities = found
@@ -148,15 +168,16 @@ class CircuitReplay(PartReplay):
                    for part in self._by_name[name].parts) and signal in {
                        entry.name for entry in model.circuit.states}:
                 # A state that is measured, too: what it would do by itself.
-                quantities = self._evaluated(model, channels, free=signal)
-            value = self._combined(self._by_name[name].parts, quantities, channels, signal)
+                quantities = self._evaluated(model, true, free=signal)
+            value = self._combined(self._by_name[name].parts, quantities, true, signal)
             signals[signal] = value + self._reading(model, channels, signal, value)
         return Prediction(signals, np.zeros(len(self.run)))
 
-    @staticmethod
-    def _reading(model: PartModel, channels: dict[str, np.ndarray], signal: str,
+    def _reading(self, model: PartModel, channels: dict[str, np.ndarray], signal: str,
                  value: np.ndarray) -> np.ndarray | float:
         """Return what effects of its sensor add to a signal."""
+        if signal == 'motor_speed':
+            return -self._behind(model, channels)
         slot, reads = _READINGS.get(signal, ('', ''))
         if not any(place == slot for name in model.effects
                    for place, _ in catalogue(everything=True)[name].terms):
@@ -165,9 +186,13 @@ class CircuitReplay(PartReplay):
 
     def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        return {name: float(np.hypot(noise, _SHEET * np.percentile(
-            np.abs(self.run[name][self.counted(name)]), _SIZE) if self.counted(name).any() else 0))
-            for name, noise in super().floor(model, seed).items()}
+        found = super().floor(model, seed)
+        for name, noise in found.items():
+            size = np.abs(self.run[name][self.counted(name)])
+            if len(size):
+                found[name] = float(np.hypot(
+                    noise, self._by_name[self.balances[name]].sheet * np.percentile(size, _SIZE)))
+        return found
 
     def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
                   channels: dict[str, np.ndarray], signal: str) -> np.ndarray:

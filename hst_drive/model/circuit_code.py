@@ -17,7 +17,7 @@ from hst_drive.model.compose import generate, have_numba, running, usable
 
 _SHARED = ('find', 'interpolate', 'interpolate2', 'smooth_sign', 'played')
 _REST = 'p, on, cells, layout'
-READINGS = ('pressure_reading', 'flow_reading', 'torque_reading')
+READINGS = ('pressure_reading', 'flow_reading', 'torque_reading', 'speed_reading_lag')
 """Slots of sensors: what they add is taken from, or added to, the readings of a replay."""
 
 
@@ -43,20 +43,31 @@ def text_of(circuit: Circuit) -> str:
     """Return all equations of a circuit as one text, slots for effects in it."""
     states, inputs = len(circuit.states), len(circuit.inputs)
     held = _listed('held', circuit.held)
+    arguments = f"{_listed('x', states)}{held}{_listed('now', inputs)}{_REST}"
+    rates, first = _listed('slope', states), ''
+    if circuit.actuator:
+        rates, first = rates.removeprefix('slope[0], '), f"""
+            slope[0] = actuator({arguments})
+            if not whole:
+                return
+"""
     wrappers = f"""
         def hold_row(commands, k, interval, memory, {_REST}, held):
             {held} = hold(
                 {_listed('commands[k, ', len(circuit.held_inputs), '')}interval, memory, {_REST})
 
 
-        def evaluate(x, held, now, {_REST}, slope, found):
-            {_listed('slope', states)}{_listed('found', len(circuit.quantities))} = equations(
-                {_listed('x', states)}{held}{_listed('now', inputs)}{_REST})
+        def evaluate(x, held, now, {_REST}, slope, found, whole):{first}
+            {rates}{_listed('found', len(circuit.quantities))} = equations({arguments})
         """
     functions = (*(getattr(kernel_template, name) for name in _SHARED), *circuit.helpers,
-                 circuit.hold, circuit.equations)
+                 circuit.hold, *_actuator(circuit), circuit.equations)
     return '\n\n'.join(['import math', *map(inspect.getsource, functions),
                         textwrap.dedent(wrappers), inspect.getsource(replay_text.run)])
+
+
+def _actuator(circuit: Circuit) -> tuple[Callable, ...]:
+    return (circuit.actuator,) if circuit.actuator else ()
 
 
 def _listed(name: str, count: int, opened: str = '[') -> str:
@@ -81,7 +92,8 @@ def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = No
     if compiled is None:
         compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
     return _code(circuit.id, text_of(circuit), (names, tuple(circuit.tables)),
-                 tuple(function.__name__ for function in circuit.helpers), compiled, edition())
+                 tuple(function.__name__ for function in (*circuit.helpers, *_actuator(circuit))),
+                 compiled, edition())
 
 
 @lru_cache(maxsize=8)

@@ -107,7 +107,8 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
     effects : dict of str to Effect
         A term that reads what the text does not know where its slot lies is left out.
     template : str
-        The equations, from ``import math`` on.
+        The equations, from ``import math`` on. Where they have a line ``# slot NAME kept``, the
+        effects that are ``kept`` enter there, as ``NAME_kept``.
     names, tables : sequence of str
         Numbers and tables that they use, as ``P_name`` and ``T_NAME``.
 
@@ -134,13 +135,16 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         mark = line.strip()
         if not mark.startswith('# slot '):
             continue
-        slot = mark[len('# slot '):]
+        slot, _, kept = mark[len('# slot '):].partition(' ')
+        apart = f'# slot {slot} kept' in template
         indent = line[:len(line) - len(line.lstrip())]
-        variable = {'load_torque': 'whole_load_torque'}.get(slot, slot)
+        variable = {'load_torque': 'whole_load_torque'}.get(slot, slot) + (kept and f'_{kept}')
         # A slot's own switch spares a look at each of its effects.
         body.append(f'{indent}if on[SLOT_{slot}]:')
         for name, effect, place, function in _terms(effects):
-            if place == slot and (call := _call(effect, function, places, known[number])):
+            if place != slot or apart and effect.kept != bool(kept):
+                continue
+            if call := _call(effect, function, places, known[number]):
                 body += [f'{indent}    if on[{flags[effect.id]}]:',
                          f'{indent}        {variable} += {name}({call})']
         body.append(f'{indent}    pass')

@@ -112,7 +112,8 @@ def test_neutral_is_nothing(effect, slot, function):
     @given(reads=readings, others=sizes(effect))
     def check(reads, others):
         assert evaluate(function, effect.neutral, reads) == 0.0
-        if effect.id not in ('bearing_friction', 'pump_friction', 'line_loss', 'piston_ripple'):
+        if effect.id not in ('bearing_friction', 'charge_pressure_loss', 'pump_friction',
+                             'line_loss', 'piston_ripple'):
             size = effect.parameters[0]
             assert evaluate(function, {**others, size.name: size.neutral}, reads) == 0.0
     check()

@@ -11,14 +11,14 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+    capacity, LEAKS, motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
 _MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
-_STROKE = 'pump_command|pump_displacement'
+_STROKE, _LINES = 'pump_command|pump_displacement', ('line_a_pressure', 'line_b_pressure')
 
 
 def hold(pump_command, interval, memory, p, on, cells, layout):
@@ -79,11 +79,30 @@ def charged(low, high, flow, relief, override, check_valve):
     return charge
 
 
+def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag, rate,
+             back_rate, pump_command, pump_speed_measured, charge_measured, oil_temperature,
+             viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
+             on, cells, layout):
+    """Return the rate of the stroke."""
+    max_displacement, displacement = p[P_max_displacement], abs(stroke)
+    # What the pistons press on the plate changes its sign with the line under pressure.
+    pump_pressure = math.copysign(1.0, aim) * (line_a_pressure - line_b_pressure)
+    pump_yield = 0.0
+    # slot pump_yield
+    settled = aim
+    if abs(aim) > 0.0:
+        settled = aim * max(1.0 - pump_yield / abs(aim), 0.0)
+    stroke_rate = (settled - stroke) / lag
+    if rate > 0.0:
+        stroke_rate = min(max(stroke_rate, -back_rate), rate)
+    return stroke_rate
+
+
 def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag, rate,
               back_rate, pump_command, pump_speed_measured, charge_measured, oil_temperature,
               viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
               on, cells, layout):
-    """Return the rates of the states, then the quantities."""
+    """Return the rates of the other states, then the quantities."""
     max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
@@ -121,15 +140,22 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pump_flow_loss = 0.0
     # slot pump_flow_loss
     lost = drained + pump_leakage + pump_flow_loss
+    way = 1.0 if stroke >= 0.0 else -1.0
+    pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
+    pump_flow_loss_kept = 0.0
+    # slot pump_flow_loss kept
     a_loss, b_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
     if a_high:
         a_loss, b_loss = b_loss, a_loss
-    delivered, swept = stroke * pump_speed, motor_displacement * motor_speed
+    delivered = stroke * pump_speed - way * pump_flow_loss_kept
+    swept = motor_displacement * motor_speed
 
     charge_pressure = 0.0
     # slot charge_pressure
     relief = max(p[P_charge_relief] - charge_pressure, 0.0)
-    charge_flow = p[P_charge_displacement] * pump_speed
+    charge_wear = 0.0
+    # slot charge_wear
+    charge_flow = p[P_charge_displacement] * pump_speed * (1.0 - min(charge_wear, 1.0))
     flushed = p[P_flushing] * max(low, 0.0) / p[P_charge_relief]
     lacking = flushed + side * (delivered - swept) + (b_loss if a_high else a_loss)
     held = p[P_charge_override] * (charge_flow - lacking)
@@ -147,13 +173,13 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     else:
         a_made_up -= flushed
 
-    compliance = 1.0 / bulk_modulus
-    # slot compliance
     gear_twist = 0.0
     # slot gear_twist
-    storage = line_volume * compliance + motor_displacement * motor_displacement * gear_twist
-    a_rate = (delivered - swept - a_loss + a_made_up) / storage
-    b_rate = (swept - delivered - b_loss + b_made_up) / storage
+    twisted = motor_displacement * motor_displacement * gear_twist
+    a_storage = twisted + capacity(line_a_pressure, 1.0, oil_temperature, p, on, cells, layout)
+    b_storage = twisted + capacity(line_b_pressure, -1.0, oil_temperature, p, on, cells, layout)
+    a_rate = (delivered - swept - a_loss + a_made_up) / a_storage
+    b_rate = (swept - delivered - b_loss + b_made_up) / b_storage
     if line_a_pressure <= CAVITATION_PRESSURE:
         a_rate = max(a_rate, 0.0)
     if line_b_pressure <= CAVITATION_PRESSURE:
@@ -166,15 +192,6 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
     acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
 
-    pump_yield = 0.0
-    # slot pump_yield
-    settled = aim
-    if abs(aim) > 0.0:
-        settled = aim * max(1.0 - pump_yield / abs(aim), 0.0)
-    stroke_rate = (settled - stroke) / lag
-    if rate > 0.0:
-        stroke_rate = min(max(stroke_rate, -back_rate), rate)
-
     pump_torque_loss = 0.0
     # slot pump_torque_loss
     taken = stroke * difference
@@ -184,12 +201,12 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow and low < held_at + p[P_margin] else 0.0
-    return (stroke_rate, a_rate, b_rate, acceleration, motor_speed,
+    return (a_rate, b_rate, acceleration, motor_speed,
             (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
             pump_torque, pump_torque * pump_speed, drained + drained_low,
             swept + (drained if a_high else drained_low), pump_speed,
-            storage / motor_displacement, -storage / motor_displacement, p[P_inertia],
+            a_storage / motor_displacement, -b_storage / motor_displacement, p[P_inertia],
             far, -far, -far * fed, far * fed, fed)
 
 
@@ -227,7 +244,8 @@ def complete(rig: Rig, channels: dict) -> dict:
 CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
-    hold=hold, equations=equations, helpers=(charged, motor_leaks, shaft_torque), numbers=numbers,
+    hold=hold, actuator=actuator, equations=equations,
+    helpers=(charged, capacity, motor_leaks, shaft_torque), numbers=numbers,
     sections=('pump', 'motor', 'line', 'charge'), complete=complete,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
@@ -255,7 +273,7 @@ CIRCUIT = Circuit(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
-                needs=('line_a_pressure', 'line_b_pressure', _STROKE), per='motor_displacement',
+                needs=(*_LINES, _STROKE), per='motor_displacement',
                 formula='formula_pump_flow'),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
@@ -263,27 +281,22 @@ CIRCUIT = Circuit(
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'Pa', 'charge pressure',
                 (Part('charge_pressure', 'fed'),),
-                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure', _STROKE)),
+                needs=('motor_speed', *_LINES, _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
-                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
-                formula='formula_torque'),
+                needs=('motor_speed', *_LINES), formula='formula_torque'),
         Balance('stroke', 'pump_displacement', 'pump_actuator', 'm^3/rad',
                 'displacement of the pump', (Part('pump_displacement'),),
                 needs=('pump_command',)),
         Balance('pump torque', 'pump_torque', 'torque', 'N.m', 'torque of the pump',
-                (Part('pump_torque'),),
-                needs=('line_a_pressure', 'line_b_pressure', _STROKE)),
+                (Part('pump_torque'),), needs=(*_LINES, _STROKE)),
         Balance('pump power', 'pump_power', 'torque', 'W', 'power of the pump',
-                (Part('pump_power'),),
-                needs=('line_a_pressure', 'line_b_pressure', _STROKE)),
+                (Part('pump_power'),), needs=(*_LINES, _STROKE)),
         Balance('hydromotor flow', 'motor_inlet_flow', 'flow', 'm^3/s',
                 'oil that turns the hydromotor', (Part('motor_inlet_flow'),),
-                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
-                formula='formula_motor_flow'),
+                needs=('motor_speed', *_LINES), formula='formula_motor_flow'),
         Balance('case drain', 'case_drain_flow', 'flow', 'm^3/s', 'leakage of the hydromotor',
-                (Part('case_drain_flow'),),
-                needs=('motor_speed', 'line_a_pressure', 'line_b_pressure'),
-                formula='formula_motor_flow'),
+                (Part('case_drain_flow'),), needs=('motor_speed', *_LINES),
+                formula='formula_motor_flow', sheet=LEAKS),
     ),
 )

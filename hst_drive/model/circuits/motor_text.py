@@ -1,6 +1,18 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
+"""Lines, hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
+
+
+def capacity(pump_pressure, line, oil_temperature, p, on, cells, layout):
+    """Return the oil that a line takes per pressure, m^3/Pa; ``line`` is 1 for A, -1 for B."""
+    bulk_modulus, line_volume = p[P_bulk_modulus], p[P_volume]
+    compliance = 1.0 / bulk_modulus
+    one_line = 0.0
+    # slot one_line
+    if line * one_line >= 0.0:
+        # slot compliance
+        pass
+    return line_volume * compliance
 
 
 def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
@@ -69,3 +81,4 @@ SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia'
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
 SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign
+LEAKS = 0.05        # of the leakage: its table is of one temperature, and of one unit's gaps

@@ -21,10 +21,11 @@ def run(time, commands, inputs, told, record, state, memory, p, on, cells, layou
     """
     n, size, width = len(time), len(state), inputs.shape[1]
     here, slope, total, held, now, found = work[0], work[1], work[2], work[3], work[4], work[5]
-    free = False
+    free = others = False
     for i in range(size):
         if told[i] == 0:
             free = True
+            others = others or i > 0
         else:
             state[i] = record[0, i]
     for k in range(n):
@@ -47,7 +48,8 @@ def run(time, commands, inputs, told, record, state, memory, p, on, cells, layou
                         here[i] = record[k, i] + share * (record[after, i] - record[k, i])
                     elif stage > 0:
                         here[i] = state[i] + ahead * step * slope[i]
-                evaluate(here, held, now, p, on, cells, layout, slope, found)
+                evaluate(here, held, now, p, on, cells, layout, slope, found,
+                         others or stage == 0 and part == 0)
                 if stage == 0 and part == 0:
                     for i in range(out.shape[1]):
                         out[k, i] = found[i]

@@ -10,7 +10,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+    capacity, LEAKS, motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -33,10 +33,17 @@ def edge(drop, opening, p):
     return p[P_valve_gain] * opening * drop / (drop * drop + p[P_smooth] * p[P_smooth])**0.25
 
 
+def actuator(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag,
+             supply_measured, oil_temperature, viscosity_ratio, motor_torque_load,
+             opposing_torque, motor_displacement_command, p, on, cells, layout):
+    """Return the rate of the opening."""
+    return (aim - opening) / lag
+
+
 def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag,
               supply_measured, oil_temperature, viscosity_ratio, motor_torque_load,
               opposing_torque, motor_displacement_command, p, on, cells, layout):
-    """Return the rates of the states, then the quantities."""
+    """Return the rates of the other states, then the quantities."""
     motor_displacement = p[P_motor_displacement]
     if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
         motor_displacement = p[P_second_displacement]
@@ -72,13 +79,13 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     else:
         into_a = edge(back_pressure - line_a_pressure, -opening, p)
         into_b = edge(supply - line_b_pressure, -opening, p)
-    compliance = 1.0 / bulk_modulus
-    # slot compliance
     gear_twist = 0.0
     # slot gear_twist
-    storage = line_volume * compliance + motor_displacement * motor_displacement * gear_twist
-    a_rate = (into_a - swept - a_loss) / storage
-    b_rate = (into_b + swept - b_loss) / storage
+    twisted = motor_displacement * motor_displacement * gear_twist
+    a_storage = twisted + capacity(line_a_pressure, 1.0, oil_temperature, p, on, cells, layout)
+    b_storage = twisted + capacity(line_b_pressure, -1.0, oil_temperature, p, on, cells, layout)
+    a_rate = (into_a - swept - a_loss) / a_storage
+    b_rate = (into_b + swept - b_loss) / b_storage
     if line_a_pressure <= CAVITATION_PRESSURE:
         a_rate = max(a_rate, 0.0)
     if line_b_pressure <= CAVITATION_PRESSURE:
@@ -93,11 +100,11 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     wide = max(abs(opening), 0.01) * p[P_valve_gain]
     a_returns, b_returns = max(-swept - a_loss, 0.0) / wide, max(swept - b_loss, 0.0) / wide
     forth = opening / p[P_open]
-    return ((aim - opening) / lag, a_rate, b_rate, acceleration, motor_speed,
+    return (a_rate, b_rate, acceleration, motor_speed,
             (into_a - a_loss) / motor_displacement, -(into_b - b_loss) / motor_displacement,
             back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
             motor_torque, drained + drained_low, swept + (drained if side > 0.0 else drained_low),
-            storage / motor_displacement, -storage / motor_displacement, p[P_inertia], forth,
+            a_storage / motor_displacement, -b_storage / motor_displacement, p[P_inertia], forth,
             -forth)
 
 
@@ -122,7 +129,8 @@ _LINES = ('line_a_pressure', 'line_b_pressure')
 CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
-    hold=hold, equations=equations, helpers=(edge, motor_leaks, shaft_torque), numbers=numbers,
+    hold=hold, actuator=actuator, equations=equations,
+    helpers=(edge, capacity, motor_leaks, shaft_torque), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
     keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
           'line.bulk_modulus_Pa'),
@@ -159,6 +167,6 @@ CIRCUIT = Circuit(
                 needs=('motor_speed', *_LINES), formula='formula_motor_flow'),
         Balance('case drain', 'case_drain_flow', 'flow', 'm^3/s', 'leakage of the hydromotor',
                 (Part('case_drain_flow'),), needs=('motor_speed', *_LINES),
-                formula='formula_motor_flow'),
+                formula='formula_motor_flow', sheet=LEAKS),
     ),
 )
