@@ -15,7 +15,8 @@ from hst_drive.model.part import PartModel
 import numpy as np
 
 PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
-_READ = ('motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature')
+_READ = ('motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature',
+         'viscosity_ratio')
 Known = Mapping[str, Any]
 
 

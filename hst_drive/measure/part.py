@@ -183,8 +183,8 @@ class PartReplay:
 
     def _width(self, name: str, model: PartModel) -> float:
         """Return the Gaussian's deviation, samples, from which the rate adds little noise."""
-        gain, source = self._rate_gain(name, model)
-        if not gain or self.static:
+        gain, source = (0.0, '') if self.static else self._rate_gain(name, model)
+        if not gain:
             return 0.0
         noise = self._noise_of(source, model) if source in self._channels else 0.0
         seconds = min(gain * noise / (np.sqrt(2.0) * self.noise[name]), _WIDE)

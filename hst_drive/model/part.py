@@ -109,7 +109,7 @@ class PartModel:
         found.update(line_volume=oil.volume or math.inf,
                      bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
                      * self.factor('line.bulk_modulus'), oil_density=oil.oil_density or DENSITY)
-        if 'oil_temperature' in known and oil.oil_grade:
+        if 'oil_temperature' in known and oil.oil_grade and 'viscosity_ratio' not in known:
             found['viscosity_ratio'] = (viscosity(known['oil_temperature'], oil.oil_grade)
                                         / viscosity(rig.characterised_at, oil.oil_grade))
         if rig.relief_valve is not None:

@@ -3,8 +3,11 @@
 """Which balances a log closes."""
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
+from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.measure.balances import closed, is_table
+from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
+from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -28,6 +31,16 @@ def test_a_pump_that_can_be_set_is_not_taken_for_one_at_full_stroke():
     assert found['motor_inlet_flow'] == 'hydromotor flow'
     assert closed(log(10.0, *measured, 'pump_command'), default_rig())[
         'motor_inlet_flow'] == 'pump flow'
+
+
+def test_a_loading_unit_is_judged_by_its_command_and_speed():
+    """Without any pressure, against the steady state that the load profile goes by."""
+    run, rig = log(10.0, 'pprv_command', 'motor_speed', 'load_torque'), default_rig()
+    assert closed(run, rig) == {'load_torque': 'load torque'}
+    model = PartModel(rig)
+    predicted = PartReplay(run, model).predict(model).signals['load_torque']
+    assert predicted.mean() == pytest.approx(
+        LoadingUnit.of(rig.loading).torque_of_command(2.5, 10.0), rel=1e-3)
 
 
 def test_a_log_with_nothing_to_judge_on_is_refused():

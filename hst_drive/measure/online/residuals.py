@@ -78,13 +78,15 @@ class Samples:
     def __init__(self, model: PartModel, balances: Mapping[str, Balance], window: Window,
                  level: np.ndarray, rate: np.ndarray, creeping: float):
         self._model, self._balances = model, balances
-        self._channels, self._creeping = window.values, creeping
+        self._creeping = creeping
         self._by_effect: dict[tuple, dict[str, float]] = {}
         self._angle = turned(window.time, window.values[SPEED])
         self.level, self.rate = level, rate
         self._weak = Weak(window.time, self.mean, lambda values: float(rate @ values))
         self.known = self._told(model, window.values)
-        self.residuals = {name: self._residual(name, model, window.values, self.known)
+        # The same however often the equations are asked.
+        self._channels = {**window.values, 'viscosity_ratio': self.known['viscosity_ratio']}
+        self.residuals = {name: self._residual(name, model, self._channels, self.known)
                           for name in balances}
 
     def mean(self, values: Any) -> float:
@@ -113,8 +115,10 @@ class Samples:
         section = key.partition('.')[0]
         near = [name for name in self.residuals if section == 'line' or any(
             entry.partition('.')[0] == section for entry in self._balances[name].rig)]
-        moved = self._model.changed({}, {key: 1.0 + _STEP}) if near else self._model
-        known = self._told(moved, self._channels) if near else {}
+        moved = self._model.changed({}, {key: 1.0 + _STEP})
+        # What is told hangs on oil and hydromotor alone.
+        known = self.known if section in ('pump', 'loading') else self._told(
+            moved, self._channels)
         return {name: (self.residuals[name] - self._residual(
             name, moved, self._channels, known)) / _STEP for name in near}
 
