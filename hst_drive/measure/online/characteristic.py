@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from hst_drive.measure.online.figures import Accuracy, table_losses
+from hst_drive.measure.online.figures import Accuracy
 from hst_drive.model.part import PartModel
 import numpy as np
 
@@ -112,8 +112,10 @@ class Characteristic:
             return None, (f'not valid yet: {pressure / 1e5:.0f} bar at {speed * 30 / math.pi:.0f} '
                           'rpm have not been visited for long enough')
         displacement, accuracy = self._model.motor_displacement, self._accuracy
-        leak, made = (float(value) for value in table_losses(
-            self._model, pressure, speed))
+        known = self._model.complete({
+            'motor_speed': speed, 'pressure': pressure, 'pump_pressure': pressure})
+        leak, made = float(self._model.motor_leakage(known)), float(
+            self._model.motor_torque(known))
         excess, missing, drain = (float(value) for value in found)
         lost = leak + excess
         flow, torque = displacement * speed + lost, made - missing

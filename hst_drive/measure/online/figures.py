@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance, performance, reason_not_valid
+from hst_drive.measure.equations import told
 from hst_drive.measure.online.stream import Window
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
@@ -141,17 +142,16 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Mo
     from_middle = np.abs(window.time - middle)
     near = from_middle <= max(narrow, np.partition(from_middle, _LEAST - 1)[_LEAST - 1])
     short = _parabola(window.time[near] - middle)
-    values, rig = window.values, model.rig
-    speed, temperature = values[SPEED], values.get(TEMPERATURE)
-    pressure = values[INLET] if INLET in values else values[PRESSURE] - line_drop(
-        model, values[PRESSURE], values[FLOW])
-    warm = None if temperature is None else float(wide[0] @ temperature)
-    now_pressure, now_speed = float(short @ pressure[near]), float(short @ speed[near])
+    rig = model.rig
     # The moment itself goes last: one look at the tables for all.
-    leak, made = (np.asarray(found) for found in table_losses(
-        model, np.append(pressure, now_pressure), np.append(speed, now_speed), warm))
-    excess = float(wide[0] @ (values[FLOW] - model.motor_displacement * speed - leak[:-1]))
-    missing = float(wide[0] @ (made[:-1] - values[TORQUE]) - model.inertia * (wide[1] @ speed))
+    channels = {name: np.append(values, short @ values[near])
+                for name, values in window.values.items()}
+    known, speed = told(model, channels, 0.0), channels[SPEED]
+    leak, made = model.motor_leakage(known), model.motor_torque(known)
+    turned = model.motor_displacement * speed
+    excess = float(wide[0] @ (known['flow'] - turned - leak)[:-1])
+    missing = float(wide[0] @ (made - channels[TORQUE])[:-1]
+                    - model.inertia * (wide[1] @ speed[:-1]))
     left, left_short, left_rate = (
         math.sqrt(float(weight @ weight)) for weight in (wide[0], short, wide[1]))
     noise = (left_short * noise_of(rig, PRESSURE), left * noise_of(rig, FLOW),
@@ -159,24 +159,8 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Mo
              math.hypot(left * noise_of(rig, TORQUE),
                         left_rate * model.inertia * noise_of(rig, SPEED)))
     leak, made = float(leak[-1]), float(made[-1])
-    return Moment(stamp, now_pressure, model.motor_displacement * now_speed + leak + excess,
-                  now_speed, made - missing, leak, made, noise)
-
-
-def line_drop(model: PartModel, pressure, flow):
-    """Return the pressure (Pa) that adopted effects lose between the sensor and the motor."""
-    known = {'pressure': pressure, 'pump_pressure': pressure, 'flow': flow}
-    return model.line_drop(model.complete(known)) if model.effects else 0.0
-
-
-def table_losses(model: PartModel, pressure, speed, temperature: float | None = None):
-    """Return leakage (m^3/s) and torque (N.m) of a motor's loss model at Pa, rad/s and K."""
-    if not model.effects:
-        temperature = None
-    known = model.complete({
-        SPEED: speed, 'pressure': pressure, 'pump_pressure': pressure,
-        **({} if temperature is None else {TEMPERATURE: temperature})})
-    return model.motor_leakage(known), model.motor_torque(known)
+    return Moment(stamp, float(known['pressure'][-1]), float(turned[-1]) + leak + excess,
+                  float(speed[-1]), made - missing, leak, made, noise)
 
 
 def modelled(moment: Moment, displacement: float) -> Performance:
