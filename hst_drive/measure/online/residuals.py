@@ -223,7 +223,8 @@ class Balances:
                 (slope * self.spread[key])**2 for key, slope in parts[name].items()))),
             parts[name]) for name in self.closed}
         return Block(start, end, residuals, {
-            name: samples.mean(value) for name, value in samples.known.items()}, samples)
+            name: samples.mean(value)
+            for name, value in {**window.values, **samples.known}.items()}, samples)
 
     def _reason(self, cut: dict[str, np.ndarray]) -> str:
         speed = cut[SPEED]
