@@ -102,7 +102,7 @@ def mass(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:
 
 def load(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:
     """Return the torque with which the loading unit brakes."""
-    torque = model.load_torque(weak.time, channels['pprv_command'], known)
+    torque = model.braking_torque(weak.time, channels['pprv_command'], known)
     return _torque_reading(model, known, torque)
 
 

@@ -253,7 +253,7 @@ class PartModel:
         return ideal - leakage - relief - self.terms('pump_flow_loss', {
             **known, 'pump_speed': speed, 'flow': known.get('flow', ideal)})
 
-    def load_torque(self, time: np.ndarray | None, command: np.ndarray, known: Known) -> Any:
+    def braking_torque(self, time: np.ndarray | None, command: np.ndarray, known: Known) -> Any:
         """Return the torque (N.m) with which the loading unit brakes; ``time`` as of stroke."""
         loading = self.rig.loading
         valve = self.factor('loading.pprv_pressure') * loading.pprv_pressure(command)
