@@ -25,8 +25,8 @@ def steady_timers(node: Node, executor, clock: Clock) -> Iterator[None]:
     timers stand for an hour, and with them everything that notices a lost reading. A timer that
     is put off makes the executor look at all timers of the same clock anew.
 
-    It is put off again only when that look is over. With many looks in its queue the executor calls
-    each timer that is due as many times, and every call puts the next one off by a period.
+    It is put off again only when that look is over. With many looks in its queue the executor
+    calls each timer that is due as many times, and every call puts the next off by a period.
     """
     timer = node.create_timer(_NEVER, lambda: None, clock=clock)
     over, looking = threading.Event(), threading.Event()
