@@ -38,6 +38,7 @@ NEEDS = {
                      'nodes/test_joints.py', 'nodes/test_rates.py',
                      'nodes/test_run.py', 'test_ros2_lines.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
+    'nodes/test_steady_timers.py': ('rclpy',),
     'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
     **dict.fromkeys(('diagnose/test_alternatives.py', 'diagnose/test_causes.py',
                      'diagnose/test_score_test.py', 'diagnose/test_limits.py',

@@ -221,7 +221,7 @@ def _work(executor, node: DriveNode, signals: list[int]) -> None:
     gc.collect()
     gc.freeze()
     node.create_timer(_TURN, look, clock=node.wall)
-    with steady_timers(node, node.wall), watched(node, executor, _work) as watchdog:
+    with steady_timers(node, executor, node.wall), watched(node, executor, _work) as watchdog:
         while rclpy.ok() and node.exit_code is None and not signals:
             # Each time a new one, as a call leaves something hanging on it.
             node.stopped = Future()

@@ -75,6 +75,7 @@ class Controller(DriveNode):
         self._setpoint: float | None = None
         self._setpoints: dict[int, float] = {}   # lockstep: by stamp, until their reading comes
         self._runs = False
+        self._due = 0.0         # when the timer has something to do
         self._ended = False
 
     def activate(self) -> None:
@@ -148,7 +149,7 @@ class Controller(DriveNode):
         if not self.lockstep:
             self._go_on()
             if self._watch.fault is None:
-                self._wait(_PATIENCE)
+                self._due = now + _PATIENCE * self.settings['sample_time']
         elif stamp in self._setpoints:
             self._take(now, self._setpoints.pop(stamp))
             self._answer(stamp)
@@ -209,16 +210,24 @@ class Controller(DriveNode):
 
     def _supervise(self) -> None:
         """In real time: go on without a new reading, or down the ramp, whatever comes or not."""
+        early = self._due - self._seconds()
+        if early > 0.0 and not self._watch.fault:
+            self._wait(early)
+            return
         if self._reading and not self._ended:
             self._go_on()
         if self._watch.fault:
             self._follow_ramp(self.now())
-        self._wait(1.0)
+        self._wait(self.settings['sample_time'])
 
-    def _wait(self, samples: float) -> None:
-        """Let the timer come after so many sample times, if no reading puts it off before."""
-        period = round(samples * self._pace.sample_time)
-        if samples > 1.0 or self._timer.timer_period_ns != period:   # else it keeps its own time
+    def _wait(self, seconds: float) -> None:
+        """
+        Let the timer come after so long.
+
+        Only the timer sets itself anew, no reading does: see ``steady_timers``.
+        """
+        period = round(seconds * BILLION)
+        if self._timer.timer_period_ns != period:   # else it keeps its own time
             self._timer.timer_period_ns = period
             self._timer.reset()
 

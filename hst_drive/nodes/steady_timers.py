@@ -16,7 +16,7 @@ _NEVER = 3600.0     # s, of a timer that is there to be put off
 
 
 @contextmanager
-def steady_timers(node: Node, clock: Clock) -> Iterator[None]:
+def steady_timers(node: Node, executor, clock: Clock) -> Iterator[None]:
     """
     See to it that the timers of a steady clock come in time.
 
@@ -24,13 +24,19 @@ def steady_timers(node: Node, clock: Clock) -> Iterator[None]:
     2.30, as the wheels of PyPI are, that waits for a time on the wall: set back by an hour, all
     timers stand for an hour, and with them everything that notices a lost reading. A timer that
     is put off makes the executor look at all timers of the same clock anew.
+
+    It is put off again only when that look is over. With many looks in its queue the executor
+    calls each timer that is due as many times, and every call puts the next off by a period.
     """
     timer = node.create_timer(_NEVER, lambda: None, clock=clock)
-    over = threading.Event()
+    over, looking = threading.Event(), threading.Event()
 
     def beat() -> None:
         while not over.is_set():
-            timer.reset()
+            if not looking.is_set():
+                looking.set()
+                timer.reset()
+                executor.create_task(looking.clear)
             time.sleep(_BEAT)   # by the steady clock; a wait for the event need not be
 
     thread = threading.Thread(target=beat, daemon=True)

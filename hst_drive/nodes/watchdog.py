@@ -67,8 +67,9 @@ def watched(node, executor, loop: Callable) -> Iterator[Watchdog]:
     Watch a loop of the calling thread that lets an executor work.
 
     Once in dozens to a thousand runs, on machines with much else to do, rclpy's EventsExecutor
-    stood still: neither messages nor timers came through, and no signal. What it misses is not
-    known; a word of another thread, which goes through the same queue, may free it.
+    stood still: neither messages nor timers came through, and no signal. Timers that were silent
+    after a pause, and with them the look at signals, are one cause (``steady_timers`` avoids it).
+    Against any other a word of another thread, which goes through the same queue, may help.
     """
     thread = threading.get_ident()
 

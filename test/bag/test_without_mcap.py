@@ -91,9 +91,10 @@ def test_csv_and_sqlite3_are_read(logs, without):
 
 @pytest.mark.slow
 def test_a_csv_file_is_diagnosed_and_reported(logs, without, tmp_path):
-    code, _, err = call(without, 'report', str(logs / 'log.csv'), '-o', str(tmp_path / 'page.html'))
+    page = tmp_path / 'page.html'
+    code, _, err = call(without, 'report', str(logs / 'log.csv'), '-o', str(page))
     assert code == 0, err
-    assert 'What is missing' in (tmp_path / 'page.html').read_text()
+    assert 'What is missing' in page.read_text()
 
 
 def test_the_recorder_says_what_it_lacks(without, tmp_path):

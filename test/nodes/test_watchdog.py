@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """An executor that stands still is woken, and if that is in vain the process ends."""
+from contextlib import nullcontext
 import subprocess
 import sys
 import threading
@@ -82,6 +83,7 @@ def test_the_spin_loop_of_a_node_goes_on_once_it_is_woken(monkeypatch):
         create_timer=create_timer, get_logger=lambda: SimpleNamespace(warning=said.append))
     executor.timers.append(lambda: executor.calls < 3 or setattr(node, 'exit_code', 0))
     monkeypatch.setattr(base.rclpy, 'ok', lambda: True)
+    monkeypatch.setattr(base, 'steady_timers', lambda *_: nullcontext())
     monkeypatch.setattr(watchdog, 'BEAT', 0.01)
     began = time.monotonic()
     base._work(executor, node, [])
