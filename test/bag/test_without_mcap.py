@@ -91,7 +91,8 @@ def test_csv_and_sqlite3_are_read(logs, without):
 
 @pytest.mark.slow
 def test_a_csv_file_is_diagnosed_and_reported(logs, without, tmp_path):
-    code, _, err = call(without, 'report', str(logs / 'log.csv'), '-o', str(tmp_path / 'page.html'))
+    code, _, err = call(without, 'report', str(logs / 'log.csv'), '-o',
+                        str(tmp_path / 'page.html'))
     assert code == 0, err
     assert 'What is missing' in (tmp_path / 'page.html').read_text()
 
