@@ -36,14 +36,15 @@ def test_links_lead_somewhere(page):
 @pytest.mark.parametrize('page', PAGES, ids=lambda page: page.name)
 def test_calls_are_of_verbs_and_would_be_understood(page):
     """What stands in brackets may be left out; here it is not."""
-    for verb, rest in CALL.findall(page.read_text(encoding='utf-8')):
+    text = page.read_text(encoding='utf-8').replace('\\\n', '')
+    for verb, rest in CALL.findall(text):
         if verb in NOT_VERBS:
             continue
         assert verb in verbs(), verb
         parser = argparse.ArgumentParser(exit_on_error=False)
         import_module(f'hst_drive.cli.{verb.replace("-", "_")}').add_arguments(parser)
         words = [word for word in shlex.split(OPTIONAL.sub(r'\1', rest), comments=True)
-                 if word not in ('...', '\\') and not word.startswith(('>', '|'))]
+                 if word != '...' and not word.startswith(('>', '|'))]
         try:
             parser.parse_args(words)
         except (argparse.ArgumentError, SystemExit) as problem:

@@ -24,7 +24,7 @@ BY_NAME = {'signals', 'parameters', 'delays', 'smallest_visible', 'before', 'aft
 
 def commands(text):
     """Return the calls of verbs in a text, each as its words."""
-    return [shlex.split(line, comments=True)[1:] for line in text.splitlines()
+    return [shlex.split(line, comments=True)[1:] for line in text.replace('\\\n', '').splitlines()
             if line.startswith('    ./dev ')]
 
 

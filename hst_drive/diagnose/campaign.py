@@ -18,6 +18,7 @@ from typing import Callable, Sequence
 from hst_drive.diagnose.columns import Column, columns
 from hst_drive.diagnose.conditions import prior
 from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects.base import OF_OTHER_CIRCUITS
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -37,6 +38,7 @@ FINEST = 0.008          # s: faster records are averaged; the drive has nothing 
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
+ELSEWHERE = 'acts in closed circuits or valve circuits only'
 
 
 @dataclass(frozen=True)
@@ -135,6 +137,8 @@ class Campaign:
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""
+        if catalogue()[name].slot in OF_OTHER_CIRCUITS:
+            return ELSEWHERE
         channels = catalogue()[name].shows_in
         if channels and not set(self.signals) & set(channels):
             return f'needs one of the channels {", ".join(channels)}'

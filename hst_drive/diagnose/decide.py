@@ -8,7 +8,7 @@ from typing import Callable, Sequence
 
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
-from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.campaign import Campaign, ELSEWHERE, Model
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.conditions import outside
 from hst_drive.diagnose.design import in_short
@@ -134,7 +134,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([] if odd is None else [
                 f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            sentence(verdict, effects, ladder, remaining, tuple(hidden), limited,
+            sentence(verdict, effects, ladder, remaining,
+                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
                      rig.fingerprint is not None).strip(),
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']

@@ -229,7 +229,7 @@ def _spread(matrix: np.ndarray, values: np.ndarray, fitted: np.ndarray,
 def expression(place: Entry, terms: Sequence[dict]) -> str:
     """Return the formula as text."""
     if not terms:
-        return f'{place.name} [{place.unit}]: no formula of few terms holds on held-out data'
+        return f'{place.name} [{place.unit}]: no short formula holds on held-out data'
     return written(f'{place.name} [{place.unit}]', [
         (term['coefficient'], [_text(name) for name in term['variables']]) for term in terms])
 

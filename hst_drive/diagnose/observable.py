@@ -81,7 +81,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         smallest = abs(size.typical) * _smallest(move, factors, normal, room, grams)
         limit = max(abs(size.low), abs(size.high))
         reason = '' if smallest <= limit else unread(campaign, name) or \
-            'these logs do not exercise it beyond what the unit may differ'
+            'in these logs it does no more than the tolerances of the unit allow'
         found.append(Visibility(name, float(smallest), reason))
     return found
 

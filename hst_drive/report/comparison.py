@@ -52,7 +52,7 @@ def text(result: Comparison, most_regions: int = 8) -> str:
         lines += ['', 'timing (measured against model):', *delays]
     left_out = [line for log in result.logs for line in _left_out(log)]
     if left_out:
-        lines += ['', "not judged, nor by 'diagnose' ('compare --all' judges it):", *left_out]
+        lines += ['', "not judged, as in 'diagnose' ('compare --all' judges it):", *left_out]
     cut = [_told(log) for log in result.logs if log.sections]
     lines += ['', *cut] if cut else []
     return '\n'.join(lines)

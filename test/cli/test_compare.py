@@ -259,7 +259,7 @@ def test_what_is_left_out_is_told(run, tmp_path, capsys):
     assert entry['left_out'] == [{'start': 3.0, 'end': pytest.approx(3.99), 'unit': 's',
                                   'why': 'cavitation'}]
     assert entry['seconds_left_out'] == pytest.approx(0.99)
-    assert 'left out' not in command(capsys, path, '--all')[1]
+    assert 'not judged' not in command(capsys, path, '--all')[1]
     write_csv(path, Run('low', run.time, {**run.channels, 'pump_outlet_pressure': low,
                                           'motor_speed': rest}))
     out = command(capsys, path)[1]
