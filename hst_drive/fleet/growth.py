@@ -20,7 +20,7 @@ from scipy.special import softmax
 FEWEST = 3              # dates from which something is told of growth
 _CUT = 0.04             # chance of a cut between two dates
 _SEASON = 0.15          # chance that a size goes with the oil's temperature
-_WARMER = 3.0           # K by which temperatures must differ to tell that
+_WARMER = 3.0           # K that may change a size by half its scale; fewer by as much less
 # Scatter from day to day beyond the sizes' own standard errors, in these: little is usual.
 _SCATTER = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0])
 _USUAL = np.array([0.3, 0.25, 0.2, 0.15, 0.07, 0.03])
@@ -177,8 +177,9 @@ class _Evidence:
         self.variances = sigma**2 + np.outer(_SCATTER * np.median(sigma), np.ones(len(sigma)))**2
         count = len(history.days)
         warm = history.temperatures
-        season = len(warm) == count and np.ptp(warm) >= _WARMER
-        self.ways = [None, (warm - np.median(warm)) / np.ptp(warm)] if season else [None]
+        season = len(warm) == count and np.ptp(warm) > 0.0
+        self.ways = [None, (warm - np.median(warm)) / max(np.ptp(warm), _WARMER)] if season \
+            else [None]
         self.stretches: list[dict[tuple[int, int], tuple[Stretch, tuple[Law, ...]]]] = []
         forward, total, cuts = [], [], []
         for way in self.ways:

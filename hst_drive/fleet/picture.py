@@ -67,7 +67,8 @@ def picture(entry: Followed, label: str) -> Markup:
             part = slice(max(edge[0] - 1, 0), edge[-1] + 1)
             ring = [*zip(days[part], band[part, 0]), *zip(days[part][::-1], band[part, 2][::-1])]
             parts.append(element('polygon', points=_points(ring, x, y), fill=fill))
-        parts.append(element('polyline', points=_points([*zip(days, band[:, 1])], x, y),
+        shown = (band[:, 1] >= low) & (band[:, 1] <= high)     # beyond, it leaves the picture
+        parts.append(element('polyline', points=_points([*zip(days[shown], band[shown, 1])], x, y),
                              fill='none', stroke=BLUE, stroke_width=1.5))
     for jump in growth.jumps:
         middle = x(0.5 * (jump.after + jump.before))

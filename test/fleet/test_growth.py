@@ -62,6 +62,18 @@ def test_summers_are_no_growth():
     assert both.kind == 'grows' and both.rate[0] < 0.6 / END < both.rate[2]
 
 
+def test_a_few_kelvin_count_as_well():
+    """Days of 48.5 to 51.5 degC: what they do to a leak is not taken for scatter."""
+    warm = 50.0 + np.random.default_rng(3).uniform(-1.5, 1.5, len(DAYS))
+    made = history(lambda day: 0.6 * day / END + 0.06 * (warm - 50.0), sigma=0.01,
+                   temperatures=warm)
+    found, blind = Growth(made), Growth(made._replace(temperatures=np.empty(0)))
+    assert found.season > 0.9 and found.kind == 'grows'
+    left, without = found.remaining(1.0), blind.remaining(1.0)
+    assert left.low < END / 0.6 < left.high
+    assert left.high - left.low < 0.6 * (without.high - without.low)
+
+
 def test_a_size_that_gets_more_negative_grows():
     """A sensor that reads less and less; its limit is negative, too."""
     found = Growth(history(lambda day: -0.5 * day / END))
