@@ -46,7 +46,8 @@ SLOTS: dict[str, Slot] = {
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
     'pump_speed_lag': Slot('flow', 's', 'first-order lag of that change'),
     'pump_flow_loss': Slot('flow', 'm^3/s', 'lost between pump and flow meter'),
-    'charge_wear': Slot('flow', '1', "share of the charge pump's delivery that is lost"),
+    'charge_wear': Slot('flow', '1', "share of the charge pump's delivery that leaks at the "
+                        "relief's pressure"),
     'one_line': Slot('flow', '1', 'where compressibility is added: 1 in line A, -1 in line B, '
                      '0 in both'),
     'pump_torque_loss': Slot('torque', 'N.m', 'torque at the pump shaft beyond its sheet'),

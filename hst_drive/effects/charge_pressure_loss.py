@@ -10,7 +10,7 @@ def relief(drop):
 
 
 def wear(worn):
-    """Return the share of the charge pump's delivery that is lost."""
+    """Return the share of the charge pump's delivery that leaks at the relief's pressure."""
     return worn
 
 
@@ -20,10 +20,11 @@ EFFECT = Effect(
     slot='charge_pressure',
     function=relief,
     also=(('charge_wear', wear),),
-    equation='P_relief = P_datasheet - drop; Q_charge = (1 - worn) * D_charge*w_p',
+    equation='P_relief = P_datasheet - drop; Q_charge = D_charge*w_p * (1 - worn*P/P_relief)',
     parameters=(
         Parameter('drop', 'Pa', 0.0, 3e6, 4e5, 'what the low side lacks of it'),
-        Parameter('worn', '1', 0.0, 0.95, 0.0, "share of the charge pump's delivery that is lost"),
+        Parameter('worn', '1', 0.0, 0.95, 0.0, 'share of its delivery that '
+                  "a worn charge pump leaks at the relief's pressure"),
     ),
     telltale='The low side stands lower than it should, in both directions of rotation.',
     source='J. Ivantysyn and M. Ivantysynova, Hydrostatic Pumps and Motors, Akademia Books 2001, '

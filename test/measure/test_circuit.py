@@ -63,7 +63,7 @@ def test_without_a_torque_sensor_the_flows_are_judged(healthy):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('effect', ['motor_leakage', 'charge_pressure_loss'])
+@pytest.mark.parametrize('effect', ['motor_leakage', 'charge_pressure_loss', 'speed_sensor_lag'])
 def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):
     """From forward and backward drilling of an independent machine."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single', '--effect',

@@ -144,23 +144,27 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
     pump_flow_loss_kept = 0.0
     # slot pump_flow_loss kept
-    a_loss, b_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
-    if a_high:
-        a_loss, b_loss = b_loss, a_loss
+    low_loss, high_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
+    a_loss, b_loss = (high_loss, low_loss) if a_high else (low_loss, high_loss)
     delivered = stroke * pump_speed - way * pump_flow_loss_kept
     swept = motor_displacement * motor_speed
 
     charge_pressure = 0.0
     # slot charge_pressure
-    relief = max(p[P_charge_relief] - charge_pressure, 0.0)
+    relief = max(p[P_charge_relief] - charge_pressure, 1.0)
     charge_wear = 0.0
     # slot charge_wear
-    charge_flow = p[P_charge_displacement] * pump_speed * (1.0 - min(charge_wear, 1.0))
+    made = p[P_charge_displacement] * pump_speed
+    # A worn pump leaks in proportion to its pressure; with less than that it holds less.
+    charge_flow = made * (1.0 - charge_wear * min(max(low / relief, 0.0), 1.0))
     flushed = p[P_flushing] * max(low, 0.0) / p[P_charge_relief]
-    lacking = flushed + side * (delivered - swept) + (b_loss if a_high else a_loss)
-    held = p[P_charge_override] * (charge_flow - lacking)
-    settled_charge = relief + held if held > 0.0 else CAVITATION_PRESSURE + p[
-        P_check_valve] * lacking
+    lacking = flushed + side * (delivered - swept) + low_loss
+    held = p[P_charge_override] * (made * (1.0 - charge_wear) - lacking)
+    settled_charge = CAVITATION_PRESSURE + p[P_check_valve] * lacking
+    if held > 0.0:
+        settled_charge = relief + held
+    elif charge_wear > 0.0:
+        settled_charge = max(settled_charge, relief * (1.0 - lacking / made) / charge_wear)
     charge = charged(low, high, charge_flow, relief, p[P_charge_override], p[P_check_valve])
     held_at = settled_charge
     if not math.isnan(charge_measured):
@@ -168,11 +172,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     low_side = max(held_at - p[P_check_valve] * lacking, CAVITATION_PRESSURE)
     a_made_up = max(charge - line_a_pressure, 0.0) / p[P_check_valve]
     b_made_up = max(charge - line_b_pressure, 0.0) / p[P_check_valve]
-    if a_high:
-        b_made_up -= flushed
-    else:
-        a_made_up -= flushed
-
+    a_made_up -= 0.0 if a_high else flushed
+    b_made_up -= flushed if a_high else 0.0
     gear_twist = 0.0
     # slot gear_twist
     twisted = motor_displacement * motor_displacement * gear_twist
@@ -200,7 +201,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pump_torque += pump_torque_loss + p[P_charge_displacement] * held_at
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
-    fed = 1.0 if 0.0 < lacking < 0.9 * charge_flow and low < held_at + p[P_margin] else 0.0
+    fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
     return (a_rate, b_rate, acceleration, motor_speed,
             (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
@@ -273,21 +274,18 @@ CIRCUIT = Circuit(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
-                needs=(*_LINES, _STROKE), per='motor_displacement',
-                formula='formula_pump_flow'),
+                needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow'),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'Pa', 'charge pressure',
-                (Part('charge_pressure', 'fed'),),
-                needs=('motor_speed', *_LINES, _STROKE)),
+                (Part('charge_pressure', 'fed'),), needs=('motor_speed', *_LINES, _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
                 needs=('motor_speed', *_LINES), formula='formula_torque'),
         Balance('stroke', 'pump_displacement', 'pump_actuator', 'm^3/rad',
-                'displacement of the pump', (Part('pump_displacement'),),
-                needs=('pump_command',)),
+                'displacement of the pump', (Part('pump_displacement'),), needs=('pump_command',)),
         Balance('pump torque', 'pump_torque', 'torque', 'N.m', 'torque of the pump',
                 (Part('pump_torque'),), needs=(*_LINES, _STROKE)),
         Balance('pump power', 'pump_power', 'torque', 'W', 'power of the pump',

@@ -15,6 +15,7 @@ from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
 _OPEN = 0.05        # of the stroke: a spool nearer to its middle tells nothing of its edges
+_EDGES = 0.02       # of the return's pressure: it goes with the square of an edge's opening
 _STEP = 0.2         # of the time in which an edge fills a line at a hundredth of the supply
 _SMOOTH = 1e-3      # of the supply: a drop below it makes a laminar flow
 
@@ -155,10 +156,10 @@ CIRCUIT = Circuit(
                 formula='formula_motor_flow'),
         Balance('returning edge A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the return',
                 (Part('a_return', 'back'),),
-                needs=('valve_command', 'motor_speed', 'line_b_pressure')),
+                needs=('valve_command', 'motor_speed', 'line_b_pressure'), sheet=_EDGES),
         Balance('returning edge B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the return',
                 (Part('b_return', 'forth'),),
-                needs=('valve_command', 'motor_speed', 'line_a_pressure')),
+                needs=('valve_command', 'motor_speed', 'line_a_pressure'), sheet=_EDGES),
         Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
                 needs=('motor_speed', *_LINES), formula='formula_torque'),
