@@ -35,5 +35,5 @@ def test_after_a_pause_no_timer_is_silent():
     node.destroy_node()
     rclpy.shutdown()
     assert len(left) == 30
-    # Rarely one look at the timers falls between another and its calls: two at once.
-    assert max(left) < 2.5 * PERIOD
+    # A look at the timers may still fall between another one and its calls.
+    assert max(left) < 0.5 * PAUSE
