@@ -99,6 +99,13 @@ def test_an_effect_of_the_catalogue_acts_in_a_closed_circuit(effect, channel, si
         assert sign * turn * (with_it[name][-1] - without[name][-1]) > 0.0
 
 
+def test_a_valve_circuit_has_no_cross_port_relief():
+    """Its rig file has none, so nothing of it can crack; oil may pass from line to line."""
+    model = CircuitModel(VALVE)
+    assert model.enters('cross_port_leakage')
+    assert not model.enters('cross_port_relief_cracking')
+
+
 def test_what_leaks_from_line_to_line_needs_no_charge():
     """The charge pump replaces what a hydromotor leaks, not what passes to the other line."""
     _, without = moved(CLOSED, 6.0, 9000.0)

@@ -65,7 +65,6 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
         max(high - side * forwards * line_drop, 0.0), max(low, 0.0), motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     motor_leakage = drained
-    cross_port_pressure = p[P_supply]
     cross_port_flow = 0.0
     # slot cross_port_flow
     a_loss, b_loss = drained + cross_port_flow, drained_low - cross_port_flow
