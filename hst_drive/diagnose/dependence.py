@@ -13,7 +13,7 @@ from hst_drive.diagnose.judge import PRACTICAL
 from hst_drive.effects.formula import (
     FLOW, PRESSURE, REFERENCE, SPEED, TEXTS, TORQUE, WARMTH, written)
 from hst_drive.measure.run import CHANNELS
-from hst_drive.model.drive import turned
+from hst_drive.model.drive import Drive, turned
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
@@ -87,7 +87,7 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
                 values = smooth(np.interp(np.arange(len(run)), good, run[name][good]))
         if values is not None:
             found[name] = (values - shift) / scale
-    if 'motor_speed' in found and hasattr(campaign.drive, 'load_torque'):
+    if 'motor_speed' in found and isinstance(campaign.drive, Drive):
         # The load that the model sees: the measured one holds the unknown itself.
         found['load_torque'] = campaign.driver(model.model).load_torque(
             run.time, replay.inputs['pprv_command'], SPEED * found['motor_speed'],
