@@ -18,9 +18,9 @@ def usual_sensors(rig: Rig) -> dict[str, Sensor]:
     largest = {'Pa': pressure, 'm^3/s': pump.max_displacement * pump.shaft_speed,
                'N.m': rig.motor.displacement * pressure, 'm^3/rad': pump.max_displacement,
                'rad/s': rig.full_speed}
-    usual = {name: Sensor(entry.noise * (
-        pump.shaft_speed if name == 'pump_speed' else largest[entry.unit]))
-        for name, entry in CHANNELS.items() if entry.noise}
+    usual = {name: Sensor(entry.noise * largest[entry.unit]) for name, entry in CHANNELS.items()
+             if entry.noise and name != 'pump_speed'}
+    usual['pump_speed'] = Sensor(CHANNELS['pump_speed'].noise * pump.shaft_speed)
     stated = rig.sensors.get('pump_outlet_pressure')
     if stated:
         usual['motor_inlet_pressure'] = stated

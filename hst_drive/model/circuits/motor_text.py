@@ -81,4 +81,4 @@ SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia'
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
 SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign
-LEAKS = 0.05        # of the leakage: its table is of one temperature, and of one unit's gaps
+LEAKS = 0.02        # of the leakage: its table is of one temperature, and of one unit's gaps
