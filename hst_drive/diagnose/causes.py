@@ -107,12 +107,8 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
     if left:
         return sure(search, best, alone) is not None and not much_left(search, best, alone)
     other = Candidate((), alone, search.score(alone))
-    if not best.names:
-        return relieves(search, other, freed)
-    if len(best.names) == 1:
-        return (other.score < best.score
-                and limited(freed, alone) < limited(search.campaign, best.fit)
-                and not search.unexplained(other))
+    if len(best.names) < 2:
+        return relieves(search, other, best, freed) and not search.unexplained(other)
     return as_much(search, best, alone)
 
 

@@ -18,14 +18,17 @@ def limited(campaign: Campaign, fitted: Fit) -> set[str]:
     return {key for key, value in fitted.model.factors.items() if at_limit(campaign, key, value)}
 
 
-def relieves(search: Search, other: Candidate, tolerances: Campaign | None = None) -> bool:
+def relieves(search: Search, other: Candidate, before: Candidate | None = None,
+             tolerances: Campaign | None = None) -> bool:
     """
     Say whether something takes quantities of the unit off their limits and is far likelier.
 
-    ``tolerances`` is the campaign that it was fitted in, if that has others.
+    ``before`` is what it is laid beside: the unit alone by default. ``tolerances`` is the campaign
+    that it was fitted in, if that has others.
     """
+    before = before or search.baseline
     left = limited(tolerances or search.campaign, other.fit)
-    return (left < limited(search.campaign, search.base)
-            and search.baseline.score - other.score >= 2 * _LIKELIER
-            and max(search.gain(search.baseline, other, False).sigma.values(),
+    return (left < limited(search.campaign, before.fit)
+            and before.score - other.score >= 2 * _LIKELIER
+            and max(search.gain(before, other, False).sigma.values(),
                     default=0.0) >= SIGNIFICANT)

@@ -9,6 +9,7 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
     BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal)
 from hst_drive.diagnose.fit import at_its_end, Fit
+from hst_drive.diagnose.limits import limited
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.diagnose.search import Candidate, Search
@@ -61,16 +62,21 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
     """
     Return the set that is nearly certain and leaves nothing, or what the tests found.
 
-    What shows in a single event of a short log no test over blocks can be sure of.
+    What shows in a single event of a short log no test over blocks can be sure of. Something may
+    hide so although nothing seems to be left: where the unit sits at a limit that it is taken off.
     """
-    if not search.unexplained(best):
+    left = search.unexplained(best)
+    strained = limited(search.campaign, best.fit) if best.names else set()
+    if not (left or strained):
         return best
     names, share = max(weigh(search, best).sets, key=lambda item: item[1], default=((), 0.0))
     if share < _CERTAIN or names == best.names:
         return best
     entry, = (entry for entry in search.tried() if entry.names == names)
     likelier = standing(search, search.refine(entry))
-    return likelier if likelier.names == names and not search.unexplained(likelier) else best
+    fits = likelier.names == names and not search.unexplained(likelier)
+    return likelier if fits and (left or limited(
+        search.campaign, likelier.fit) < strained) else best
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:

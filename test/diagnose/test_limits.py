@@ -32,6 +32,16 @@ def test_a_unit_at_its_limits_hides_no_effect_that_is_far_likelier(tmp_path, cap
     assert f'{hidden} of this unit by itself' in capsys.readouterr().out
 
 
+def test_a_lag_beyond_its_tolerance_is_named_beside_what_hides_it():
+    """It shows in one quick step; with the lag at its limit nothing seems to be left."""
+    rig, runs, held = as_runs(make_campaign(
+        41500004, {'pump_speed_droop': 1.33, 'pump_lag': 0.34}, rate_hz=50.0,
+        rig_seed=41500004, duration=25.0))
+    found = diagnose(rig, runs, held)
+    assert found.verdict in ('missing_effect', 'ambiguous')
+    assert {entry.id for entry in found.effects} == {'pump_speed_droop', 'pump_lag'}
+
+
 def test_none_tells_first_what_it_could_not_have_seen():
     channels = tuple(name for name in STANDARD if name != 'load_torque')
     rig, runs, held = as_runs(make_campaign(45, {}, channels=channels))
