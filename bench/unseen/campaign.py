@@ -138,7 +138,8 @@ def _sized(where: Setting, one: Drawn, band: tuple[float, float]) -> tuple[float
     size, best = 0.6 * low + 0.4 * high, None
     for _ in range(TRIES):
         _, moves = simulate(where, one.at(float(np.exp(size)), where.scale)[1])
-        worst = max(moves.values())
+        # An effect may not come up at all, as where no pressure opens a valve.
+        worst = max(*moves.values(), 1e-9)
         if best is None or abs(np.log(worst / wanted)) < abs(np.log(best[2] / wanted)):
             best = float(np.exp(size)), moves, worst
         if abs(np.log(worst / wanted)) < 0.15 and band[0] <= worst <= band[1]:

@@ -55,7 +55,9 @@ def _chosen(seed: int, rng: np.random.Generator) -> tuple[str, tuple[Drawn, ...]
             first, second = (LISTED[i] for i in rng.choice(len(LISTED), 2, replace=False))
             one, other = draw(first, rng), draw(second, rng)
             alike = second.id in one.also or first.id in other.also
-            if not alike and first.enters != second.enters:
+            # One model of the line holds either its mass or its losses.
+            one_line = {first.id, second.id} == {'line_inertance', 'line_loss'}
+            if not alike and not one_line and first.enters != second.enters:
                 return kind, (one, other)
     rank = sum(BLOCK[order[i]] == kind for i in range(place))
     deck = LISTED if kind == 'single' else UNLISTED
