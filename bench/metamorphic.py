@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Does the answer stay when nothing that matters changes?
+Whether the answer stays when nothing that matters changes.
 
     python -m bench.metamorphic --campaigns 10 --json metamorphic.jsonl
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from hst_drive.diagnose.fit import Fit
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
-_IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
+IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
 IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
@@ -128,7 +128,7 @@ def worthwhile_in_part(found: Gain, done: Mapping[str, float],
 
     A few great steps may be all that shows an effect: then blocks are counted, not measured.
     """
-    return worthwhile(found, done, _IN_SAMPLE, form) or (
+    return worthwhile(found, done, IN_SAMPLE, form) or (
         unharmed(found)
         and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS, form))
 

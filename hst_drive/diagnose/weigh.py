@@ -9,6 +9,7 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
     BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal)
 from hst_drive.diagnose.fit import at_its_end, Fit
+from hst_drive.diagnose.judge import IN_SAMPLE
 from hst_drive.diagnose.limits import limited
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import UNIT_ALONE
@@ -63,10 +64,11 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
     Return the set that is nearly certain and leaves nothing, or what the tests found.
 
     What shows in a single event of a short log no test over blocks can be sure of. Something may
-    hide so although nothing seems to be left: where the unit sits at a limit that it is taken off.
+    hide so although nothing seems to be left: where it takes the unit off a limit, and much of
+    the error of the logs that were fitted.
     """
     left = search.unexplained(best)
-    strained = limited(search.campaign, best.fit) if best.names else set()
+    strained = limited(search.campaign, best.fit)
     if not (left or strained):
         return best
     names, share = max(weigh(search, best).sets, key=lambda item: item[1], default=((), 0.0))
@@ -74,9 +76,11 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
         return best
     entry, = (entry for entry in search.tried() if entry.names == names)
     likelier = standing(search, search.refine(entry))
-    fits = likelier.names == names and not search.unexplained(likelier)
-    return likelier if fits and (left or limited(
-        search.campaign, likelier.fit) < strained) else best
+    if likelier.names != names or search.unexplained(likelier):
+        return best
+    hidden = limited(search.campaign, likelier.fit) < strained and max(
+        search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE
+    return likelier if left or hidden else best
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:
