@@ -60,9 +60,9 @@ class Machine:
 
 
 # A set point that still stands when a stop is reset.
-STANDING = [(0.0, ('read', 1.0, '')), (0.0, ('wish', math.nan)), (0.0, ('ramp',)), (1.1, ('ramp',)),
-            *[(0.1, ('read', speed, '')) for speed in (0.3, 0.2, 0.1)], (0.0, ('wish', 5.0)),
-            (0.0, ('reset',))]
+STANDING = [(0.0, ('read', 1.0, '')), (0.0, ('wish', math.nan)), (0.0, ('ramp',)),
+            (1.1, ('ramp',)), *[(0.1, ('read', speed, '')) for speed in (0.3, 0.2, 0.1)],
+            (0.0, ('wish', 5.0)), (0.0, ('reset',))]
 
 
 @settings(max_examples=500, deadline=None)
