@@ -60,8 +60,8 @@ MARKERS = {
 }
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
-# Tests whose nodes run as processes begin first, in two rows beside the others: whole runs, most of
-# them in lockstep, which bear any load; and nodes in real time.
+# Tests whose nodes run as processes begin first, in two rows beside the others: whole runs, most
+# of them in lockstep, which bear any load; and nodes in real time.
 RUNS = ('nodes/test_closed_circuit.py', 'nodes/test_failures.py', 'nodes/test_recorded.py',
         'nodes/test_run.py', 'cli/test_demo.py', 'test_tutorial.py')
 IN_REAL_TIME = ('nodes/', 'test_launch.py', 'test_ros2_lines.py')
