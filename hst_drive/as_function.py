@@ -25,6 +25,11 @@ class _Called(ModuleType):
         """The function, imported when it is asked for; ``inspect.signature`` looks here, too."""
         return getattr(import_module('hst_drive.api'), self.__name__.rpartition('.')[2])
 
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        """What the function says of itself: a notebook shows it for ``hd.diagnose?``."""
+        return getattr(self.__wrapped__, '__doc__', None)
+
 
 def make_callable(package: str) -> None:
     """Make a package that can be called of one that is being imported."""

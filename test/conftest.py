@@ -60,9 +60,11 @@ MARKERS = {
 }
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
-# Tests whose nodes run as processes. They begin first and run one after the other, beside others.
-WITH_NODES = ('nodes/', 'cli/test_demo.py', 'test_launch.py', 'test_ros2_lines.py',
-              'test_tutorial.py')
+# Tests whose nodes run as processes begin first, in two rows beside the others: whole runs, most
+# of them in lockstep, which bear any load; and nodes in real time.
+RUNS = ('nodes/test_closed_circuit.py', 'nodes/test_failures.py', 'nodes/test_recorded.py',
+        'nodes/test_run.py', 'cli/test_demo.py', 'test_tutorial.py')
+IN_REAL_TIME = ('nodes/', 'test_launch.py', 'test_ros2_lines.py')
 
 
 def pytest_addoption(parser):
@@ -97,9 +99,11 @@ class Stopwatch:
         LONG.write_text(''.join(f'{name}\n' for name in sorted(self.found)), encoding='utf-8')
 
 
-def with_nodes(nodeid: str) -> bool:
-    """Say whether a test starts nodes as processes."""
-    return nodeid.removeprefix('test/').startswith(WITH_NODES)
+def row(nodeid: str) -> str:
+    """Return which tests run one after the other: those of a file, or all with nodes of a kind."""
+    path = nodeid.removeprefix('test/').partition('::')[0]
+    return ('runs' if path in RUNS else 'real time' if path.startswith(IN_REAL_TIME)
+            else path)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -109,7 +113,7 @@ def pytest_xdist_make_scheduler(config, log):
 
     class ByFile(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return 'nodes' if with_nodes(nodeid) else nodeid.partition('::')[0]
+            return row(nodeid)
 
     config.option.loadscopereorder = False
     return ByFile(config, log)
@@ -123,7 +127,7 @@ def pytest_report_header():
 
 def pytest_collection_modifyitems(items):
     """Sort, mark what takes long, and skip what this environment lacks."""
-    items.sort(key=lambda item: not with_nodes(item.nodeid))
+    items.sort(key=lambda item: row(item.nodeid) not in ('runs', 'real time'))
     long = set(LONG.read_text(encoding='utf-8').splitlines())
     for item in items:
         if not long.isdisjoint((item.nodeid, item.nodeid.partition('::')[0])):

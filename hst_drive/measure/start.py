@@ -8,9 +8,8 @@ from typing import Mapping, NamedTuple
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
-from hst_drive.model.steady import twist_at
+from hst_drive.model.steady import root, twist_at
 import numpy as np
-from scipy.optimize import brentq
 
 _FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
 _LINE, _LINE_ROWS = 0.05, 3     # s and rows at least, over which a reading moves on a line
@@ -80,8 +79,7 @@ def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np
     low, high = settled(table.x[0]), settled(table.x[-1])
     if not low < torque[1] < high:
         return None
-    return float(brentq(lambda volts: settled(volts) - torque[1], table.x[0], table.x[-1],
-                        xtol=1e-3))
+    return root(lambda volts: settled(volts) - torque[1], table.x[0], table.x[-1], 1e-3)
 
 
 def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],

@@ -61,6 +61,16 @@ def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
                              'column or its topic, or give the part of the log that has it')
 
 
+def too_slow(rig: Rig, run: Run) -> str:
+    """Say that rows are too far apart for a drive's motion; empty if they are not."""
+    # A part of the drive is judged row by row, without its motion.
+    if run.sample_time <= _SLOWEST or is_part(run, rig):
+        return ''
+    return (f'has a row each {run.sample_time:.3g} s; expected 20 a second, at least one each '
+            f'{_SLOWEST:g} s: what the drive does between rows decides. Record faster; if the '
+            "times are not seconds, name their unit ('time[ms]')")
+
+
 def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
     """Raise InputError where no row of the signals that were measured can be judged."""
     raise InputError(f'{source}: no row of {", ".join(names)} can be judged: each is missing, or '
@@ -82,12 +92,8 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     for run in runs:
         refuse_still(run)
         refuse_starved(run.source, missing_rows(run), len(run))
-        # A part of the drive is judged row by row, without its motion.
-        if run.sample_time > _SLOWEST and not is_part(run, rig):
-            raise InputError(
-                f'{run.source}: has a row each {run.sample_time:.3g} s; expected 20 a second, at '
-                f'least one each {_SLOWEST:g} s: what the drive does between rows decides. '
-                "Record faster; if the times are not seconds, name their unit ('time[ms]')")
+        if slow := too_slow(rig, run):
+            raise InputError(f'{run.source}: {slow}')
     speeds = [_finite(run['motor_speed']) if 'motor_speed' in run else np.zeros(0) for run in runs]
     if all(len(speed) and np.percentile(np.abs(speed), _TAIL) <= _least_turn(rig, run, speed)
             for run, speed in zip(runs, speeds)):

@@ -7,7 +7,8 @@ The papers, as the docstrings name them:
 
 drill-drive paper
     Dynamics of a displacement-controlled hydrostatic drive of a blast-hole drill: variable pump,
-    low-speed high-torque hydromotor, PPRV-braked loading pump. Eqs. (1) to (8).
+    low-speed high-torque hydromotor, PPRV-braked loading pump. doi 10.1007/978-981-99-4270-1_4.
+    Eqs. (1) to (8).
 motor-loss paper
     A. K. Pandey, A. Kumar, N. Kumar: Analysis on the Steady-state Performance and Losses of a
     Bent-axis Type Hydraulic Motor Used in Heavy Earth Moving Machinery. International Journal of

@@ -4,15 +4,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Callable, NamedTuple
 
 from hst_drive.errors import InputError
 from hst_drive.model.compose import CONSTANTS, STATES
 from hst_drive.model.drive import Drive
 from hst_drive.model.parameters import INDEX
 import numpy as np
-from scipy.linalg import logm
-from scipy.optimize import brentq
 
 STEADY_STATES = ('displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure')
 _SCALES = np.array([1e-7, 1e5, 0.1, 1e5])
@@ -42,6 +40,14 @@ class LinearModel(NamedTuple):
     c: np.ndarray
     d: np.ndarray
     states: tuple[str, ...]
+
+
+def root(function: Callable[[float], float], low: float, high: float,
+         tolerance: float = 2e-12) -> float:
+    """Return where a function is zero between two points, within a tolerance."""
+    from scipy.optimize import brentq   # here, so that nodes start in half the time
+
+    return float(brentq(function, low, high, xtol=tolerance))
 
 
 def operating_point(drive: Drive, speed: float, load_torque: float | None = None, *,
@@ -84,7 +90,7 @@ def operating_point(drive: Drive, speed: float, load_torque: float | None = None
     if flow_missing(high) < 0 or flow_missing(low) > 0:
         raise InputError(f'{drive.rig.name}: {speed:.4g} rad/s under {pressure / 1e5:.4g} bar is '
                          'beyond what the pump gives; choose a lower speed or load')
-    command = brentq(flow_missing, low, high, xtol=1e-10)
+    command = root(flow_missing, low, high, 1e-10)
     state = _state(drive, command, pprv_command, temperature, speed, pressure)
     readings = drive.outputs(state, pump_command=command, pprv_command=pprv_command,
                              oil_temperature=temperature)
@@ -99,7 +105,7 @@ def twist_at(drive: Drive, torque: float) -> float:
         return twist - abs(torque) * max(drive.slot('shaft_compliance', twist=twist), rigid)
 
     most = -missing(0.0)
-    twist = float(brentq(missing, 0.0, most)) if missing(most) > 0.0 else most
+    twist = root(missing, 0.0, most) if missing(most) > 0.0 else most
     return math.copysign(twist, torque)
 
 
@@ -129,7 +135,7 @@ def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: f
                          'loading unit brakes; choose a lower load')
     if missing(low) > 0:
         return low
-    return float(brentq(missing, low, high, xtol=1e-10))
+    return root(missing, low, high, 1e-10)
 
 
 def _readings(drive: Drive, command: float, pprv_command: float, temperature: float, speed: float,
@@ -149,7 +155,7 @@ def _steady_pressure(drive: Drive, speed: float, pprv_command: float,
     if torque_missing(top) < 0:
         raise InputError(f'{drive.rig.name}: the load needs more pressure than the relief valve '
                          'allows; choose a lower load')
-    return float(brentq(torque_missing, 0.0, top, xtol=1e-3)) if torque_missing(0.0) < 0 else 0.0
+    return root(torque_missing, 0.0, top, 1e-3) if torque_missing(0.0) < 0 else 0.0
 
 
 def _flow_rate(drive: Drive, command: float, pprv_command: float, temperature: float,
@@ -160,6 +166,8 @@ def _flow_rate(drive: Drive, command: float, pprv_command: float, temperature: f
 
 def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     """Return the linear model about an operating point, by central differences."""
+    from scipy.linalg import logm
+
     def rate(state: np.ndarray, pump_command: float, pprv_command: float) -> np.ndarray:
         full = point.state.copy()
         full[:4] = state

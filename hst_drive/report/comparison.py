@@ -9,6 +9,7 @@ from hst_drive.measure.compare import Comparison, LogComparison
 from hst_drive.measure.errors import ErrorSummary
 from hst_drive.measure.plausibility import drifts, unit_doubts
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.useful import too_slow
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.terminal import table
 from hst_drive.rig import Rig
@@ -23,6 +24,8 @@ def remarks(rig: Rig, runs: Sequence[Run]) -> list[str]:
     lines = []
     for entry in runs:
         lines += [f'{entry.name}: {note}' for note in entry.notes]
+        if slow := too_slow(rig, entry):
+            lines.append(f'{entry.name}: {slow}')
         lines += [f'{entry.name}: {line}; mend the unit, or leave the column out'
                   for line in unit_doubts(rig, entry)]
     return lines + [drift.told for drift in drifts(rig, runs)]

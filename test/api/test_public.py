@@ -35,7 +35,8 @@ def test_import_is_free_and_order_does_not_matter():
             'from hst_drive.effects import Effect; import hst_drive.losses.table as table; '
             'import hst_drive.diagnose.result; '
             'assert all(callable(getattr(hd, name)) for name in hd.__all__); '
-            'assert hd.effects("motor_leakage").ids == ("motor_leakage",)')
+            'assert hd.effects("motor_leakage").ids == ("motor_leakage",); '
+            'assert [name for name in dir(hd) if name[0] != "_"] == sorted(hd.__all__)')
     done = subprocess.run([sys.executable, '-c', code], cwd=TOP, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
@@ -52,6 +53,7 @@ def test_examples_run(name):
         tests[0], out=said.append)
     assert not said, ''.join(said)
     assert inspect.signature(getattr(hd, name)) == inspect.signature(function)
+    assert inspect.getdoc(getattr(hd, name)) == inspect.getdoc(function)
 
 
 @pytest.mark.skipif(importlib.util.find_spec('mypy') is None, reason='mypy is not installed')

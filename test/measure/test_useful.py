@@ -7,6 +7,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
 from hst_drive.measure.useful import refuse_useless
 from hst_drive.model import Drive
+from hst_drive.report.comparison import remarks
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -54,6 +55,12 @@ def test_rows_that_are_too_far_apart(drilling):
     milliseconds = replace(drilling, time=1000.0 * drilling.time)
     assert "name their unit ('time[ms]')" in refused(milliseconds)
     refuse_useless(RIG, [with_rows(drilling, 5)])
+
+
+def test_compare_tells_of_rows_that_are_too_far_apart(drilling):
+    told, = remarks(RIG, [with_rows(drilling, 100)])
+    assert 'has a row each 1 s' in told
+    assert remarks(RIG, [with_rows(drilling, 5)]) == []
 
 
 def with_rows(run, every):

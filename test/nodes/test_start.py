@@ -101,6 +101,15 @@ def test_where_ros_cannot_start_a_node_says_so_in_one_line(variables, arguments,
     assert lines[0].startswith('estimator: ') and all(word in lines[0] for word in words)
 
 
+def test_nodes_start_without_scipy():
+    """It takes as long to import as all the rest, and most of them never need it."""
+    code = ('import sys\nfrom hst_drive.nodes import controller, estimator, load_profile\n'
+            'from hst_drive.nodes import manager, plant, recorder\nprint("scipy" in sys.modules)')
+    done = subprocess.run([sys.executable, '-c', code], env=environment(), timeout=PATIENCE,
+                          capture_output=True, text=True)
+    assert done.stdout == 'False\n', done.stderr
+
+
 def test_a_node_asks_its_executor_seldom():
     """For rclpy loses 32 bytes each time."""
     done = subprocess.run([sys.executable, '-c', CALLS], env=environment(), timeout=PATIENCE,
