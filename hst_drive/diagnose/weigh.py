@@ -7,7 +7,7 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
-    BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal)
+    BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal, weight)
 from hst_drive.diagnose.fit import at_its_end, Fit
 from hst_drive.diagnose.judge import IN_SAMPLE
 from hst_drive.diagnose.limits import limited
@@ -18,7 +18,7 @@ from hst_drive.diagnose.standing import standing
 from hst_drive.diagnose.unknowns import Unknowns
 import numpy as np
 
-_CERTAIN = 0.9  # probability from which evidence alone names what leaves nothing
+_CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
 _QUICK = 0.03   # s: with the right model pressure, flow and speed are alike for 0.01 to 0.04
 _ROUGH = 0.03   # of the squared floor: white noise that floors do not know
 
@@ -71,8 +71,9 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
     strained = limited(search.campaign, best.fit)
     if not (left or strained):
         return best
-    names, share = max(weigh(search, best).sets, key=lambda item: item[1], default=((), 0.0))
-    if share < _CERTAIN or names == best.names:
+    found = weigh(search, best)
+    names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
+    if share < _CERTAIN * (1.0 - found.unknown) or names == best.names:
         return best
     entry, = (entry for entry in search.tried() if entry.names == names)
     likelier = standing(search, search.refine(entry))
@@ -152,6 +153,6 @@ def _penalty(campaign: Campaign, fitted: Fit) -> float:
     unknowns = Unknowns(campaign, fitted.model)
     known = {name: place for place, name in enumerate(unknowns.names)}
     place = np.array([known[name] for name in fitted.names], dtype=int)
-    information = fitted.jacobian.T @ fitted.jacobian / len(campaign.signals)
+    information = weight(len(campaign.signals)) * fitted.jacobian.T @ fitted.jacobian
     return laplace(information, place < unknowns.factors,
                    (unknowns.high - unknowns.low)[place], unknowns.pack(fitted.model)[place])

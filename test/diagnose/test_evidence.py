@@ -86,7 +86,7 @@ WAVE = 4.0 * np.sin(np.arange(1200) / 20).reshape(20, 60)
 def test_an_effect_that_adds_nothing_is_less_probable_than_none():
     found = probability([explanation((), noise(4)),
                          explanation(('leak',), noise(4), 0.0, -3.0)], SENSORS, 30)
-    assert found.none > 0.9 and found.unknown < 0.1
+    assert found.none > 9 * found.effects['leak'] and found.none > 3 * found.unknown
 
 
 def test_what_one_effect_explains_names_it_and_all_sums_to_one():
@@ -96,7 +96,8 @@ def test_what_one_effect_explains_names_it_and_all_sums_to_one():
             explanation(('drag', 'leak'), left, WAVE, -12.0)]
     found = probability(sets, SENSORS, 30)
     assert found.none + found.unknown + sum(p for _, p in found.sets) == pytest.approx(1.0)
-    assert found.sets[0][0] == ('leak',) and found.effects['leak'] > 0.9
+    assert found.sets[0][0] == ('leak',) and found.sets[0][1] > 9 * found.sets[1][1]
+    assert found.effects['leak'] > 3 * found.unknown
     assert found.effects['drag'] == pytest.approx(
         sum(p for names, p in found.sets if 'drag' in names))
 
@@ -114,7 +115,7 @@ def test_a_formula_that_is_a_tenth_off_is_not_unknown():
     found = probability([explanation((), left + 4 * WAVE),
                          explanation(('leak',), left + 0.3 * WAVE, 3.7 * WAVE, -6.0)],
                         SENSORS, 30)
-    assert found.effects['leak'] > 0.8
+    assert found.effects['leak'] > 3 * found.unknown > 100 * found.none
 
 
 def test_what_is_not_listed_and_fits_is_unknown():
