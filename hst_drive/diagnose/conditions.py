@@ -42,8 +42,8 @@ def prior(rig: Rig, runs: Sequence[Run]) -> tuple[dict[str, float], dict[tuple[s
     """
     Return by how much factors of the unit may be off (logarithm, one sigma), and what ties them.
 
-    Where the oil is warmer or colder than a machine was commissioned for, its leakages are known
-    no better than the power with which they follow the viscosity.
+    Where the oil is warmer or colder than in the middle of what a machine was commissioned for, its
+    leakages are known no better than the power with which they follow the viscosity.
     """
     sigmas = {key: value for key, value in rig.scatter.items() if value > 0}
     if not rig.fingerprint:
@@ -57,15 +57,16 @@ def prior(rig: Rig, runs: Sequence[Run]) -> tuple[dict[str, float], dict[tuple[s
 
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
-    """Return by what factor (logarithm) the viscosity lies beyond what was commissioned."""
+    """Return by what factor (logarithm, rms) the viscosity is not that of the commissioning."""
     grade = rig.line.oil_grade if rig.line else ''
-    reach = _reach('oil_temperature', runs)
-    if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
+    values = _values('oil_temperature', runs)
+    if ('oil_temperature' not in rig.fingerprint.conditions or not len(values)
             or grade not in GRADES or 'leakage_temperature' in rig.effects):
         return 0.0
-    known = rig.fingerprint.conditions['oil_temperature']
-    return float(max(abs(np.log(viscosity(value, grade)
-                                / viscosity(np.clip(value, *known), grade))) for value in reach))
+    # A leakage was learnt for the middle of what was visited, and not for each of its ends.
+    then = np.log(viscosity(np.array(rig.fingerprint.conditions['oil_temperature']), grade))
+    now = np.log(viscosity(values, grade))
+    return float(np.sqrt(np.mean((now - then.mean())**2)))
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
@@ -93,9 +94,13 @@ def conditions(runs: Sequence[Run]) -> dict[str, list[float]]:
 def _reach(channel: str, runs: Sequence[Run],
            tails: tuple[float, float] = _TAILS) -> tuple[float, float] | None:
     """Return between which values a channel lies but for its tails; None if it is not there."""
-    values = np.concatenate([run[channel] for run in runs if channel in run] or [np.empty(0)])
-    values = values[np.isfinite(values)]
+    values = _values(channel, runs)
     if not len(values):
         return None
     low, high = np.percentile(values, tails)
     return float(low), float(high)
+
+
+def _values(channel: str, runs: Sequence[Run]) -> np.ndarray:
+    values = np.concatenate([run[channel] for run in runs if channel in run] or [np.empty(0)])
+    return values[np.isfinite(values)]
