@@ -42,8 +42,8 @@ def prior(rig: Rig, runs: Sequence[Run]) -> tuple[dict[str, float], dict[tuple[s
     """
     Return by how much factors of the unit may be off (logarithm, one sigma), and what ties them.
 
-    Where the oil is warmer or colder than in the middle of what a machine was commissioned for, its
-    leakages are known no better than the power with which they follow the viscosity.
+    Where the oil is warmer or colder than in the middle of what a machine was commissioned for,
+    its leakages are known no better than the power with which they follow the viscosity.
     """
     sigmas = {key: value for key, value in rig.scatter.items() if value > 0}
     if not rig.fingerprint:
