@@ -148,13 +148,17 @@ def report(done: dict[tuple, dict]) -> str:
         seen = sum(dose <= 0.2 for dose in least)
         lines.append(f'| {effect} | {"its own" if own else "datasheet"} | {len(least)} | {half:g} '
                      f'| {most:g} | {seen} of {len(least)} |')
-    lines += ['', '| healthy | alarms | comparisons | 95 % interval |', '|---|---|---|---|']
-    for what in HEALTHY:
-        rows = [row for key, row in done.items() if key[1] == what]
+    lines += ['', '| healthy | named | unknown | comparisons | alarms, 95 % interval |',
+              '|---|---|---|---|---|']
+    for what, kinds in (*((kind, (kind,)) for kind in HEALTHY), ('all', HEALTHY)):
+        rows = [row for key, row in done.items() if key[1] in kinds]
         # That the leakages follow the viscosity is true.
-        wrong = sum(bool(set(row['named']) - {'leakage_temperature'}) for row in rows)
+        named = [bool({*row['named']} - {'leakage_temperature'}) for row in rows]
+        unknown = sum(row['verdict'] == 'unknown' and not wrong
+                      for row, wrong in zip(rows, named))
         if rows:
-            lines.append(f'| {what} | {wrong} | {len(rows)} | {wilson(wrong, len(rows))} |')
+            lines.append(f'| {what} | {sum(named)} | {unknown} | {len(rows)} '
+                         f'| {wilson(sum(named) + unknown, len(rows))} |')
     refused = [key[0] for key, row in done.items() if row.get('told')]
     return '\n'.join([*lines, '', f'refused as healthy: {len(refused)} machines {refused or ""}'])
 
