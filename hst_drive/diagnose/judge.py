@@ -37,18 +37,22 @@ class Gain(NamedTuple):
 
     ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
     errors over blocks; ``amount`` the fall itself, in squared floors; ``votes`` by how many
-    standard errors more of the blocks that clearly change get better than get worse.
+    standard errors more of the blocks that clearly change get better than get worse. ``shown`` is
+    how sure it is that the errors hold what the better model moves: where that is little in most
+    blocks, squares fall by little more than their fall scatters.
     """
 
     share: dict[str, float]
     sigma: dict[str, float]
     amount: dict[str, float]
     votes: dict[str, float]
+    shown: dict[str, float]
 
 
-def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> Gain:
-    """Compare two models block by block (``Campaign.blocks``)."""
-    share, sigma, amount, votes = {}, {}, {}, {}
+def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray],
+         moved: Mapping[str, np.ndarray] = {}) -> Gain:
+    """Compare models by squares (``Campaign.blocks``): of errors, and of what ``moved`` there."""
+    share, sigma, amount, votes, shown = {}, {}, {}, {}, {}
     for name, first in before.items():
         valid = np.isfinite(first) & np.isfinite(after[name])
         if valid.sum() < 3:
@@ -64,7 +68,20 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> G
         sigma[name] = float(clipped.mean() / error)
         clear = difference[np.abs(difference) > _CLEAR]
         votes[name] = float(np.sign(clear).sum() / max(len(clear), 1)**0.5)
-    return Gain(share, sigma, amount, votes)
+        if name in moved:
+            power = moved[name][valid]
+            shown[name] = _shown(0.5 * (difference + power), power)
+    return Gain(share, sigma, amount, votes, shown)
+
+
+def _shown(product: np.ndarray, power: np.ndarray) -> float:
+    """
+    Return how sure the slope of errors on a move is, of their products and squares by block.
+
+    Blocks are clusters. Half of it, which is the t of the squares where all blocks are alike.
+    """
+    slope = product.sum() / max(power.sum(), 1e-30)
+    return float(0.5 * product.sum() / max(np.linalg.norm(product - slope * power), 1e-9))
 
 
 def excess(ratios: Mapping[str, float]) -> float:

@@ -128,8 +128,9 @@ class Search:
 
     def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
         """Compare two candidates on held-out data, or on what was fitted."""
-        return gain(self.campaign.blocks(before.fit.errors, held_out),
-                    self.campaign.blocks(after.fit.errors, held_out))
+        first, last = before.fit.errors, after.fit.errors
+        moved = [one - other for one, other in zip(first, last)]
+        return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
 
     def worthwhile(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -165,7 +166,7 @@ class Search:
             return True
         return unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
-            and held_out.sigma[name] >= _AGREED and fitted.sigma[name] >= SIGNIFICANT
+            and held_out.shown[name] >= _AGREED and fitted.shown[name] >= SIGNIFICANT
             and held_out.amount[name] >= (form * done[name])**2
             for name in held_out.share if name in fitted.share)
 

@@ -69,6 +69,14 @@ class Growth:
     """
     What a history tells.
 
+    Parameters
+    ----------
+    history : History
+        The sizes.
+    form : float
+        Relative standard deviation by which all of them may be off together: the formula's. It
+        makes no trend, but who gives a limit means the true size.
+
     Attributes
     ----------
     kind : str
@@ -86,14 +94,16 @@ class Growth:
 
     """
 
-    def __init__(self, history: History):
+    def __init__(self, history: History, form: float = 0.0):
         self.history = history
         self.now = float(history.days[-1])
         evidence = _Evidence(history)
         self.jumps = _jumps(history, evidence.cuts)
         self.season = evidence.season
-        self._draws = evidence.draws(np.random.default_rng(0))
-        self.level = _quantiles(self.at(self.now))
+        random = np.random.default_rng(0)
+        self._draws = evidence.draws(random)
+        self._true = np.exp(form * random.standard_normal(len(self._draws.kinds)))
+        self.level = _quantiles(self._true * self.at(self.now))
         rates = self._draws.rate(self.now)
         self.rate = _quantiles(rates)
         self.kind, self.since = self._kind(rates)
@@ -125,7 +135,7 @@ class Growth:
         """Return when a limit is reached; None with too few dates."""
         if self.kind == 'too few dates':
             return None
-        days = self._draws.reaches(limit, self.now)
+        days = self._draws.reaches(limit / self._true, self.now)
         low, middle, high = np.quantile(days, (0.025, 0.5, 0.975), method='inverted_cdf')
         return Remaining(float(low), float(middle), float(high), float(np.mean(days <= self.now)))
 
@@ -156,9 +166,9 @@ class _Draws(NamedTuple):
     def since(self) -> np.ndarray:
         return self.starts + self.spans * np.where(self.kinds == ONSET, self.shapes, 0.0)
 
-    def reaches(self, limit: float, now: float) -> np.ndarray:
+    def reaches(self, limit: np.ndarray, now: float) -> np.ndarray:
         size = self.at(now)
-        outward = np.sign(limit) or 1.0
+        outward = np.where(limit < 0.0, -1.0, 1.0)
         with np.errstate(divide='ignore', invalid='ignore'):
             rise = (limit - self.levels) / self.rises
             day = self.starts + self.spans * inverse(self.kinds, self.shapes, rise)

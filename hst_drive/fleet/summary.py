@@ -13,10 +13,12 @@ from datetime import date
 import math
 from typing import NamedTuple, Sequence
 
+from hst_drive.diagnose.intervals import FORM
 from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
+from hst_drive.fleet.track import OIL
 import numpy as np
 
 _FEWEST_MACHINES = 5
@@ -177,7 +179,7 @@ def _followed(rows: Sequence[dict], limits: Limits) -> list[Followed]:
             np.array(sorted(days)), *(np.array([size[key] for size in sizes])
                                       for key in ('value', 'sigma')),
             np.empty(0) if None in warm else np.array(warm))
-        growth = Growth(history)
+        growth = Growth(history, 0.0 if effect == OIL else FORM)
         parameter = str(sizes[0]['parameter'])
         limit = limits.get((effect, parameter))
         found.append(Followed(effect, parameter, str(sizes[0]['unit']), history, growth, limit,

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign, Model
+from hst_drive.diagnose.conditions import prior
 from hst_drive.diagnose.fit import fit
 from hst_drive.diagnose.intervals import FORM, spread
 from hst_drive.diagnose.part import campaign_of
@@ -54,6 +55,8 @@ def track(rig: Rig, runs: Sequence[Run],
 
     """
     campaign = campaign_of(rig, runs).of_logs(lambda log: True, all_to_fit=True)
+    wider, campaign.ties = prior(rig, runs, sizes=True)
+    campaign.tolerances = {key: wider[key] for key in campaign.tolerances}
     known = {name: dict(values) for name, values in effects.items()
              if not campaign.out_of_reach(name)}
     # Of what is adopted the form is known, and the size is fitted.

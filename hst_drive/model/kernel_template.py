@@ -439,6 +439,12 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             pilot_aim = target
 
         interval = time[min(k + 1, n - 1)] - time[k]
+        span = min(interval, max_step)
+        pilot_share = pilot_stages = 1.0
+        if 0.0 < pump_series_lag < 0.5 * span:
+            # Too short for the stages of a step to follow: its mean over the step.
+            pilot_share = pump_series_lag / span * (1.0 - math.exp(-span / pump_series_lag))
+            pilot_stages = 0.0
         slope = disturbances[min(k + 1, n - 1)] - disturbance
         if slope != 0.0:
             slope /= max(interval, 1e-12)
@@ -509,7 +515,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                 aim = target
                 if pump_series_lag > 0.0:
                     # The lag before the swash plate's own: exact, since the command holds.
-                    aim += (pilot_aim - target) * math.exp(-(elapsed + ahead) / pump_series_lag)
+                    aim += pilot_share * (pilot_aim - target) * math.exp(
+                        -(elapsed + pilot_stages * ahead) / pump_series_lag)
                 leaving = x9 if wave else flow
                 r0, r1, r2, r3, r4, r5, r6, r7, r8 = derivatives(
                     leaving, motor_torque, load_torque, pump_flow, compliance, shaft_torque,

@@ -34,6 +34,9 @@ def text(result: Diagnosis, short: bool = False) -> str:
         against = 'what it was when commissioned' if result.since else 'its datasheet'
         lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
                   _calibration(moved)]
+    same = [entry.quantity for entry in result.calibration if entry not in moved]
+    if result.since and same:
+        lines += ['', f'the same as then, as far as these logs show: {", ".join(sorted(same))}']
     if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
         lines += ['', 'the smallest size of each other effect that these logs would have shown:',
                   _smallest(result)]

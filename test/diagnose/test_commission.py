@@ -10,6 +10,7 @@ from hst_drive.diagnose.conditions import prior
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.fit import fit
 from hst_drive.errors import InputError
+from hst_drive.report.diagnosis import text
 from hst_drive.rig import parse_rig
 import numpy as np
 import pytest
@@ -117,6 +118,9 @@ def test_a_small_leak_shows_against_the_machine_alone(unit):
     assert found.effects[0].id == 'pump_leakage'
     value = found.effects[0].parameters['conductance']
     assert value.low < 0.15e-3 / 60 / 100e5 < value.high
+    # The pump of that day is the same but for its leak.
+    same, = [line for line in text(found).splitlines() if line.startswith('the same as then')]
+    assert 'pump.displacement_vs_command' in same
     assert diagnose(unit, [day(3)]).verdict == 'none'
 
 

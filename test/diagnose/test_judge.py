@@ -92,3 +92,27 @@ def test_the_expected_significance_is_about_what_comes():
         other = np.mean((noise + size)**2, axis=1)
         reached.append(gain({'a': other}, {'a': one}).sigma['a'])
     assert expected_sigma(np.full(90, size**2)) == pytest.approx(np.median(reached), rel=0.35)
+
+
+def moves(count, slope, seed, where):
+    """Return mean squares of 200 errors in each block with a move in some blocks, and of it."""
+    random = np.random.default_rng(seed)
+    noise, move = random.standard_normal((2, count, 200))
+    move[where:] *= 0.01
+    before = noise + slope * move
+    return [{'a': np.mean(square**2, axis=1)} for square in (before, before - move, move)]
+
+
+def test_what_shows_in_a_few_blocks_is_sure_where_its_move_is_in_them():
+    """White noise: the slope of 1200 errors on the move has a standard error of 1/sqrt(1200)."""
+    found = [gain(*moves(60, 1.0, seed, 6)) for seed in range(200)]
+    assert np.median([entry.sigma['a'] for entry in found]) < 3.0
+    assert np.median([entry.shown['a'] for entry in found]) == pytest.approx(
+        0.5 * 1200**0.5, rel=0.3)
+
+
+def test_a_move_that_is_not_there_is_seldom_sure_twice():
+    """Three blocks of fitted data and three of held-out: at least 3 and 2 are asked for."""
+    chance = [min(gain(*moves(30, 0.0, seed, 3)).shown['a'] / 3.0,
+                  gain(*moves(15, 0.0, 5000 + seed, 3)).shown['a'] / 2.0) for seed in range(2000)]
+    assert np.sum(np.array(chance) >= 1.0) <= 10

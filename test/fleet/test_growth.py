@@ -37,6 +37,18 @@ def test_linear_wear_has_its_slope_and_its_end():
     assert left.low < 2.0 * END < left.high and left.reached == 0.0
 
 
+def test_a_formula_that_is_off_makes_no_trend_but_moves_the_end():
+    """Sizes that are 5 % too large reach a limit when the true one is at 0.95 of it."""
+    made = history(lambda day: 0.5 * day / END, sigma=1e-4)
+    found = Growth(made, 0.05)
+    assert found.rate == pytest.approx(Growth(made).rate)
+    left, width = found.remaining(1.0), 1.96 * 0.05
+    assert [left.low, left.high] == pytest.approx(
+        2.0 * END * np.exp([-width, width]), rel=0.01)
+    assert [found.level[0], found.level[2]] == pytest.approx(
+        0.5 * np.exp([-width, width]), rel=0.01)
+
+
 def test_wear_from_some_day_on_and_accelerating():
     late = Growth(history(lambda day: 0.6 * np.maximum(day - 300.0, 0.0) / (END - 300.0)))
     assert late.kind == 'grows' and late.since == pytest.approx(300.0, abs=61.0)

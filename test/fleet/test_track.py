@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which effects a machine is followed by, and that their sizes are there on every date."""
 from hst_drive.diagnose.commission import commission
+from hst_drive.effects.oil import viscosity
 from hst_drive.fleet.track import to_follow, track
 from hst_drive.rig import default_rig, parse_rig
 import pytest
 
-from ..diagnose.machines import day, L_MIN, MAKE
+from ..diagnose.machines import day, L_MIN, MAKE, UNIT
 
 RIG = default_rig()
 
@@ -49,3 +50,17 @@ def test_sizes_are_those_of_the_pump_also_where_nothing_is_named(leak):
     true = leak * L_MIN / 100e5
     assert abs(size['value'] - true) < 4 * size['sigma'] < 0.1 * L_MIN / 100e5
     assert found.oil_temperature == pytest.approx(40.0)
+
+
+@pytest.mark.parametrize('celsius', [37.5, 42.5])
+def test_a_size_is_known_no_better_than_the_oil_within_what_was_commissioned(celsius):
+    """A kelvin changes what passes a gap by some 4 %, beside which a small leak is small."""
+    def healthy(seed, at):
+        thin = viscosity(313.15, 'ISO VG 46') / viscosity(273.15 + at, 'ISO VG 46')
+        return day(seed, factors=(UNIT[0], UNIT[1] * thin), celsius=at)
+
+    unit = parse_rig(commission(MAKE, 'make.yaml', [
+        healthy(1, 37.5), healthy(2, 42.5)], 0.1).rig, 'unit.yaml')
+    found = track(unit, [healthy(31, celsius)], {
+        'pump_leakage': {'conductance': 1e-12, 'exponent': 1.0}}).sizes['pump_leakage']
+    assert abs(found['value']) < 2 * found['sigma']
