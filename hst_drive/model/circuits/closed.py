@@ -195,10 +195,9 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
 
     pump_torque_loss = 0.0
     # slot pump_torque_loss
-    taken = stroke * difference
-    pump_torque = taken + (1.0 / interpolate2(
-        pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
-    pump_torque += pump_torque_loss + p[P_charge_displacement] * held_at
+    taken, charging = stroke * difference, p[P_charge_displacement] * held_at
+    pump_torque = taken + charging + pump_torque_loss + (abs(taken) + charging) * (
+        1.0 / interpolate2(pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0)
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
@@ -274,7 +273,8 @@ CIRCUIT = Circuit(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
-                needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow'),
+                needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow',
+                sheet=0.0015),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',
