@@ -116,7 +116,7 @@ class CircuitReplay(PartReplay):
         if not part.state:
             return 0.0, ''
         found = self._evaluated(model, self._channels)
-        return float(np.median(np.abs(found[part.storage]))), part.state
+        return float(np.median(np.abs(found[part.storage][self._judged[name]]))), part.state
 
     def _width(self, name: str, model: PartModel) -> float:
         width = super()._width(name, model)

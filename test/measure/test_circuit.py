@@ -102,3 +102,27 @@ def test_air_shows_where_a_line_comes_under_pressure(aerated):
     assert air.id == 'entrained_air'
     assert air.parameters['fraction'].value == pytest.approx(
         truth['si_parameters']['air'], rel=0.2)
+
+
+@pytest.mark.slow
+def test_a_worn_edge_of_a_valve_is_named_alone(tmp_path):
+    """Its overlap is wider on one side, and full opening is where it was: both are usual."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'valve', '--effect',
+                                'valve_dead_band=0.815', '--seed', '5007')
+    assert truth['forms'] == {'valve_dead_band': 'one_sided'}
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert found.verdict == 'missing_effect'
+    assert {entry.id for entry in found.effects} <= {'valve_dead_band', 'leakage_temperature'}
+    size = found.effects[0].parameters['width']
+    # What the catalogue has is the mean of both ways, the generator says it of one.
+    assert size.value == pytest.approx(0.8 * truth['si_parameters']['u_dead'], rel=0.1)
+
+
+def test_a_line_that_empties_holds_its_pressure_over_the_returning_edge(tmp_path):
+    """Just after a valve has changed its way a line gives oil back, not the hydromotor alone."""
+    rig, logs, _ = campaign(tmp_path, '--circuit', 'valve', '--kind', 'none', '--seed', '3',
+                            '--on-datasheet')
+    result = compare(model_of(rig, [logs['reverse']]), [logs['reverse']])
+    for name in ('line_a_pressure', 'line_b_pressure'):
+        assert result.signals[name].noise_ratio < 1.0, name
