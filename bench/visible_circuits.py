@@ -10,7 +10,7 @@ from bench.visible import remainder
 import numpy as np
 
 _ROW = 50           # ms: enough for the fit of the unit
-_NONE = 1e-6        # of an effect: its campaign keeps its oil and its gear
+_NONE = 1e-6        # of an effect: its campaign keeps the oil that warms up
 
 
 def visible(made: Campaign) -> dict[str, dict[str, float]]:
@@ -20,26 +20,32 @@ def visible(made: Campaign) -> dict[str, dict[str, float]]:
         return {}
     logs = tuple(name for name in made.logs if name != 'holdout')
     command = {name: made.exact[name]['u'] for name in logs}
+    warm = {name for name in truth['sizes'] if _known(made)[name].warm}
 
     def twin(sizes: dict[str, float], unit: dict[str, float]) -> list[np.ndarray]:
         return _read(make_campaign(
             truth['circuit'], truth['seed'], sizes, forms=truth['forms'], logs=logs, unit=unit,
             channels=[name for name in truth['channels'] if name != 'motor_displacement_command'],
-            command=command), logs)
+            command=command, changes={'sheet': made.sheet}), logs)
 
     whole = _read(made, logs)
     tolerances = made.sheet['tolerances_1_sigma_relative']
     jacobian = np.column_stack([
         np.concatenate([a - b for a, b in zip(twin(truth['sizes'], {key: 1 + sigma}), whole)])
         for key, sigma in tolerances.items()])
-    return {name: remainder([a - b for a, b in zip(
-        whole, twin({**truth['sizes'], name: _NONE}, {}))], jacobian) for name in truth['sizes']}
+    return {name: remainder([a - b for a, b in zip(whole, twin(
+        {key: _NONE if key == name else size for key, size in truth['sizes'].items()
+         if key != name or key in warm}, {}))], jacobian) for name in truth['sizes']}
+
+
+def _known(made: Campaign) -> dict[str, catalogue.Effect]:
+    circuit = made.truth['circuit']
+    return {**catalogue.LISTED[circuit], **catalogue.OUTSIDE[circuit]}
 
 
 def _read(made: Campaign, logs: tuple[str, ...]) -> list[np.ndarray]:
     """Return what sensors without noise read, in their noise, channel by channel."""
-    circuit = made.truth['circuit']
-    known = {**catalogue.LISTED[circuit], **catalogue.OUTSIDE[circuit]}
+    known = _known(made)
     form = {key: chosen for name, chosen in made.truth['forms'].items()
             for key in (*known[name].typical, *(known[name].fixed or {}))}
     found = []
