@@ -58,7 +58,7 @@ def judged(circuit: str, seed: int, kind: str) -> dict:
             'alone': right and found.verdict != 'unknown' and sorted(named) == wanted,
             'look_alike': right or bool(named) and named[0] in sum(
                 truth['look_alikes'].values(), []),
-            'in_set': right or set(wanted) <= set().union(*sets.values()),
+            'in_set': right or bool(wanted) and set(wanted) <= set().union(*sets.values()),
             'enters': found.unknown.enters if found.unknown else None,
             'seconds': round(time.process_time() - begun, 1),
             'detectable': right or detectable(visible(made)), 'said': found.sentence}

@@ -18,6 +18,7 @@ from hst_drive.rig import Rig
 _MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
+_SWEPT = 0.0015     # of the speed: displacements are the unit's own, their curves hardly differ
 _STROKE, _LINES = 'pump_command|pump_displacement', ('line_a_pressure', 'line_b_pressure')
 
 
@@ -192,7 +193,6 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
     acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
-
     pump_torque_loss = 0.0
     # slot pump_torque_loss
     taken, charging = stroke * difference, p[P_charge_displacement] * held_at
@@ -274,7 +274,7 @@ CIRCUIT = Circuit(
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
                 needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow',
-                sheet=0.0015),
+                sheet=_SWEPT),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',
