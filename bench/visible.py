@@ -71,11 +71,25 @@ def visible(task: Task, made: Campaign) -> dict[str, dict[str, float]]:
     found = {}
     for name in full:
         without = readings({key: value for key, value in full.items() if key != name}, made.sheet)
-        parts = [a - b for a, b in zip(whole, without)]
-        share = lsq_linear(jacobian, np.concatenate(parts), (-_SIGMAS, _SIGMAS)).x
-        left = np.split(np.concatenate(parts) - jacobian @ share, len(parts))
-        found[name] = {'moves': _most(parts), 'beyond': _most(left)}
+        found[name] = remainder([a - b for a, b in zip(whole, without)], jacobian)
     return found
+
+
+def remainder(parts: list[np.ndarray], jacobian: np.ndarray) -> dict[str, float]:
+    """
+    Return by how much an effect moves a signal, and by how much beyond what another unit does.
+
+    Parameters
+    ----------
+    parts : list of ndarray
+        What the effect does to each signal, in noise deviations.
+    jacobian : ndarray
+        What one tolerance of each number does to all of them.
+
+    """
+    share = lsq_linear(jacobian, np.concatenate(parts), (-_SIGMAS, _SIGMAS)).x
+    left = np.split(np.concatenate(parts) - jacobian @ share, len(parts))
+    return {'moves': _most(parts), 'beyond': _most(left)}
 
 
 def detectable(seen: dict[str, dict[str, float]]) -> bool:

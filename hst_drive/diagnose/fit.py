@@ -294,10 +294,10 @@ def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:
     for place, declared in enumerate(catalogue(everything=True)[name].parameters):
         entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
-        # None of something, the ends of a bare number that shapes an effect and may be other forms
-        # of it, and all of a share are as plausible as what lies between.
+        # None of something, what formulas usually have, the ends of a bare number that shapes an
+        # effect and may be other forms of it, and all of a share are as plausible as the rest.
         form = place > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
-        ends = [end for end in ends if end not in (0.0, entry.neutral)]
+        ends = [end for end in ends if end not in (0.0, entry.neutral, *entry.usual)]
         if not entry.fixed and not form and any(abs(value - end) <= _AT_END * abs(end)
                                                 for end in ends):
             return True

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 _SETTLES = 2.0      # s before the first row in which the actuator settles on its command
-_CHANGES = 0.3      # s before and after the lines change their parts that are not judged
+_CHANGES = 0.1      # s before and after the lines change their parts that are not judged
 _TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
@@ -93,14 +93,16 @@ class CircuitReplay(PartReplay):
             return np.ones(len(run), dtype=bool)
         known = {key: filled(values, hold=CHANNELS[key].hold == 'zero')
                  for key, values in run.channels.items()}
-        # A sensor's noise must not tell.
-        told = {entry.name: gaussian_filter1d(known[entry.name], _TELLS / run.sample_time)
-                for entry in model.circuit.states if entry.name in known}
-        found = model.run(run.time - run.time[0], known, told)
+        told = {entry.name: known[entry.name] for entry in model.circuit.states
+                if entry.name in known}
+        # A sensor's noise must not tell, nor a moment pass unseen in which the equations jump.
+        slow = {name: gaussian_filter1d(values, _TELLS / run.sample_time)
+                for name, values in told.items()}
+        found = [model.run(run.time - run.time[0], known, entry) for entry in (slow, told)]
         width = 2 * int(_CHANGES / run.sample_time) + 1
         # The lines change their parts within moments, in which neither balance is simple.
-        return np.any([minimum_filter1d((found[when] >= 1.0).astype(np.int8), width)
-                       for when in needed], axis=0)
+        return np.any([minimum_filter1d(np.all([entry[when] >= 1.0 for entry in found], axis=0)
+                                        .astype(np.int8), width) for when in needed], axis=0)
 
     def _unjudged(self, name: str) -> np.ndarray | bool:
         balance = self._by_name[self.balances[name]]
@@ -114,7 +116,7 @@ class CircuitReplay(PartReplay):
         if not part.state:
             return 0.0, ''
         found = self._evaluated(model, self._channels)
-        return float(np.median(np.abs(found[part.storage]))), part.state
+        return float(np.median(np.abs(found[part.storage][self._judged[name]]))), part.state
 
     def _width(self, name: str, model: PartModel) -> float:
         width = super()._width(name, model)

@@ -28,7 +28,7 @@ LOSSES = {'pump_flow_loss', 'motor_flow_loss', 'motor_torque_loss', 'line_drop',
           'pump_torque_loss'}
 # Numbers in the files that have a dimension.
 CONSTANTS = {'ATMOSPHERE': 'Pa', 'LEAST': 'Pa', 'REFERENCE': 'Pa', 'USUAL_DAMPING_TIME': 's',
-             'DRILLING_SPEED': 'rad/s', 'SMOOTH': 'V'}
+             'DRILLING_SPEED': 'rad/s', 'SMOOTH': 'V', 'FULL': 'V'}
 # Beyond what a drive reaches, in the units of READABLE.
 RANGES = {
     'displacement': (0.0, 1e-4), 'pump_speed': (1.0, 400.0), 'pump_pressure': (-9e4, 6e7),

@@ -58,6 +58,9 @@ def test_steady_state_of_a_closed_circuit_by_hand():
     assert low == pytest.approx(charge - 0.05 * lacking / L_MIN, rel=1e-3)
     assert last['motor_torque'] == pytest.approx(4000.0, rel=1e-3)
     assert last['case_drain_flow'] / L_MIN == pytest.approx(0.016 * (high + low), rel=1e-3)
+    # Pump and charge pump sit on one shaft, and neither is without friction.
+    ideal = CC_REV * BAR * (71 * 5.0 / 9.0 * (high - low) + 16 * charge)
+    assert last['pump_torque'] == pytest.approx(ideal / 0.93, rel=1e-3)
 
 
 @pytest.mark.parametrize('rig', [CLOSED, VALVE], ids=['closed', 'valve'])

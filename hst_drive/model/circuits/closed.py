@@ -18,6 +18,7 @@ from hst_drive.rig import Rig
 _MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
+_SWEPT = 0.0015     # of the speed: displacements are the unit's own, their curves hardly differ
 _STROKE, _LINES = 'pump_command|pump_displacement', ('line_a_pressure', 'line_b_pressure')
 
 
@@ -192,13 +193,11 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
     acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
-
     pump_torque_loss = 0.0
     # slot pump_torque_loss
-    taken = stroke * difference
-    pump_torque = taken + (1.0 / interpolate2(
-        pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0) * abs(taken)
-    pump_torque += pump_torque_loss + p[P_charge_displacement] * held_at
+    taken, charging = stroke * difference, p[P_charge_displacement] * held_at
+    pump_torque = taken + charging + pump_torque_loss + (abs(taken) + charging) * (
+        1.0 / interpolate2(pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0)
     far = difference / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
@@ -274,7 +273,8 @@ CIRCUIT = Circuit(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
-                needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow'),
+                needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow',
+                sheet=_SWEPT),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'Pa', 'pressure of the low side',

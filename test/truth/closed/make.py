@@ -89,7 +89,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
                   kind: str = 'none', on_datasheet: bool = False, detail: float = 1.0,
                   noise: float = 1.0, duration: float = 40.0, forms: dict | None = None,
                   logs: tuple[str, ...] = work.LOGS, channels: list[str] | None = None,
-                  refine: int = 1, changes: dict | None = None) -> Campaign:
+                  refine: int = 1, changes: dict | None = None, unit: dict | None = None,
+                  command: dict[str, np.ndarray] | None = None) -> Campaign:
     """
     Make one campaign of a circuit.
 
@@ -123,6 +124,10 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     changes : dict
         Numbers of the unit to set (SI, see machine), and 'sheet': a datasheet of one's own
         of that circuit.
+    unit : dict
+        Toleranced number to a factor on what this unit has.
+    command : dict
+        Log to its command per millisecond, V: nothing is controlled.
 
     """
     changes = dict(changes or {})
@@ -133,7 +138,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
     scale = rigs.scales(sheet)
     chosen = catalogue.resolve(name, effects, np.random.default_rng([seed, 3]), scale, forms)
     rng = np.random.default_rng([seed, 4])
-    factor = rigs.scatter(sheet, rng, on_datasheet)
+    factor = {key: value * (unit or {}).get(key, 1.0)
+              for key, value in rigs.scatter(sheet, rng, on_datasheet).items()}
     channels = channels or draw_channels(name, list(effects), np.random.default_rng([seed, 5]))
     if 'second_displacement_cc_rev' in sheet['motor']:
         channels = [*channels, 'motor_displacement_command']
@@ -152,6 +158,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         here = np.random.default_rng([seed, 10 + work.LOGS.index(log)])
         n = int(round(duration * 1000))
         do = work.commands(log, n, scale, here, flat['u_zero'], name, flat['d_second'] > 0)
+        if command:
+            do.update(manual=command[log], closed=False)
         degrees = work.temperature(n, warm, here)
         fluid = work.fluidity(degrees, form.get('k_visc', 'walther'), flat['k_visc'])
         engine = work.engine(n, (0.004 if seen else 0.0003) * detail, here)
