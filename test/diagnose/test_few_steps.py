@@ -8,6 +8,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.rig import parse_rig
 import pytest
 
+pytestmark = pytest.mark.needs_numba
 SHARE = 0.1     # of the make's tolerances, by which one machine differs from day to day
 
 
