@@ -55,7 +55,8 @@ def place(tmp_path, monkeypatch):
     guide = (TREE / 'docs' / 'integration.md').read_text(encoding='utf-8')
     block, = re.findall(r'^    channels:\n(?: {6}.*\n)+', guide, re.MULTILINE)
     (tmp_path / 'map.yaml').write_text(re.sub('^    ', '', block, flags=re.MULTILINE))
-    shutil.copy(share('config', 'rig', 'test_rig.yaml'), tmp_path / 'my_rig.yaml')
+    for name in ('my_rig.yaml', 'unit.yaml'):
+        shutil.copy(share('config', 'rig', 'test_rig.yaml'), tmp_path / name)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
