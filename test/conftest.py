@@ -48,7 +48,7 @@ NEEDS = {
                      'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
                      'diagnose/test_shapes.py', 'diagnose/test_slow_rows.py',
                      'diagnose/test_standing.py',
-                     'diagnose/test_unlisted.py'), ('numba',)),
+                     'diagnose/test_unlisted.py', 'diagnose/test_few_steps.py'), ('numba',)),
     'truth': ('numba',), 'bench': ('numba',)}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}

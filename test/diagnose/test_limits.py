@@ -16,10 +16,8 @@ pytestmark = pytest.mark.needs_numba
 
 
 def test_a_unit_at_its_limits_hides_no_effect_that_is_far_likelier(tmp_path, capsys):
-    """A gear that loses 2.8 % and a constant share; two tolerances take it up.
-
-    With 3 % the logs that were held out ask for it as well, and it is named without that rival.
-    """
+    """A gear that loses 2.8 % and a constant share; two tolerances take it up."""
+    # With 3 % the held-out logs ask for it as well, and it is named without that rival.
     made = make_campaign(777000, {'gearbox_loss': 0.47}, temperature='steady', on_datasheet=False)
     rig, runs, held = as_runs(made)
     found = diagnose(rig, runs, held)
