@@ -184,7 +184,7 @@ class Campaign:
         """
         return 1.0
 
-    def scatter(self, name: str) -> float:
+    def scatter(self, name: str, held_out: bool | None = True) -> float:
         """
         Return how far the squared noise ratio of a perfect model may be off by chance.
 
@@ -195,7 +195,7 @@ class Campaign:
         for column in self.columns:
             replay = self.replays[column.log]
             if column.signal == name:
-                span = len(column.judge) * replay.run.sample_time
+                span = len(column.rows(held_out)) * replay.run.sample_time
                 total += span
                 if name == replay.torque:
                     rough = replay.misread(self.judge)
@@ -330,7 +330,7 @@ class Campaign:
         """Return the weight that makes samples closer than 0.1 s count as one."""
         return float(np.sqrt(min(10 * self.replays[column.log].run.sample_time, 1.0)))
 
-    def ratios(self, errors: Sequence[np.ndarray], held_out: bool) -> dict[str, float]:
+    def ratios(self, errors: Sequence[np.ndarray], held_out: bool | None) -> dict[str, float]:
         """
         Return the noise ratio by signal, over all logs.
 
@@ -344,7 +344,7 @@ class Campaign:
                 ratios[name] = float(np.sqrt(squares[:count].mean()))
         return ratios
 
-    def blocks(self, errors: Sequence[np.ndarray], held_out: bool = True) -> dict[
+    def blocks(self, errors: Sequence[np.ndarray], held_out: bool | None = True) -> dict[
             str, np.ndarray]:
         """
         Return the mean squared error of each block of ``block`` seconds, by signal.
@@ -357,7 +357,7 @@ class Campaign:
             sums, counts = np.zeros(total), np.zeros(total)
             for error, column in zip(errors, self.columns):
                 if column.signal == name:
-                    chosen = column.judge if held_out else column.fit
+                    chosen = column.rows(held_out)
                     number = self._block[column.log][chosen]
                     sums += np.bincount(number, (error * column.trust)[chosen]**2, total)
                     counts += np.bincount(number, minlength=total)

@@ -24,6 +24,12 @@ class Column(NamedTuple):
     scale: float
     trust: np.ndarray
 
+    def rows(self, held_out: bool | None) -> np.ndarray:
+        """Return the samples to judge on or to fit on; None: both."""
+        if held_out is None:
+            return np.concatenate([self.fit, self.judge])
+        return self.judge if held_out else self.fit
+
 
 def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
             weights: Sequence[np.ndarray]) -> list[Column]:

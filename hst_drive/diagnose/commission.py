@@ -10,6 +10,7 @@ place of these tolerances.
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
@@ -18,6 +19,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.fit import calibrated, Fit
 from hst_drive.diagnose.intervals import clusters, spread
 from hst_drive.diagnose.part import campaign_of
+from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.errors import InputError
@@ -31,6 +33,7 @@ import numpy as np
 # like and by their oil; one unit differs from itself the next day by a tenth of that.
 DAY_TO_DAY = 0.1
 _SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
+_LESS = 0.5         # of a quantity, that no unit of a make lacks
 _TOLD = 0.5         # of the squared tolerance: with more left the logs told nothing
 # What makes each quantity show.
 _TESTS = {
@@ -104,17 +107,20 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
 
     """
     made = parse_rig(rig, source)
+    within = replace(made, tolerances={key: _as_ratio(value)
+                                       for key, value in made.tolerances.items()})
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
-        found = diagnose(made, [run], progress=progress)
-        if found.verdict == 'none':
-            continue
-        # A short log alone may mislead; what is missing in the machine shows in all of them.
-        if len(runs) > 1 and diagnose(made, runs, progress=progress).verdict == 'none':
-            break
-        raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
-                         'Mend or adopt that first, or leave the log out')
-    campaign = campaign_of(made, runs).of_logs(lambda log: True, all_to_fit=True)
+        found = diagnose(within, [run], progress=progress)
+        if found.verdict != 'none' and len(runs) > 1:
+            # A short log alone may mislead; what is missing in the machine shows in all of them.
+            found = diagnose(within, runs, progress=progress)
+            if found.verdict == 'none':
+                break
+        if found.verdict != 'none':
+            raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
+                             'Mend or adopt that first, or leave the log out')
+    campaign = campaign_of(within, runs).of_logs(lambda log: True, all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '
@@ -151,6 +157,11 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         Quantity(key, factors[key], float(sigma), float(tolerance),
                  _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
         for key, sigma, tolerance in zip(names, sigmas, make)), day_to_day, from_logs)
+
+
+def _as_ratio(tolerance: float) -> float:
+    """Return the tolerance whose limits hold a unit that is three of the given ones below."""
+    return max(tolerance, -float(np.log1p(-min(SIGMAS * tolerance, _LESS))) / SIGMAS)
 
 
 def _follow_viscosity(effects: Iterable[str]) -> bool:

@@ -89,7 +89,7 @@ def excess(ratios: Mapping[str, float]) -> float:
     return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
 
 
-def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool = True,
+def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool | None = True,
                  added: Fit | None = None) -> dict[str, float]:
     """
     Return what the effects of a model do to each signal, rms in floors.
@@ -99,7 +99,7 @@ def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool = Tru
     total: dict[str, list[float]] = {}
     for place, (first, second, column) in enumerate(zip(
             base.errors, model.errors, campaign.columns)):
-        chosen = column.judge if held_out else column.fit
+        chosen = column.rows(held_out)
         moved = ((first - second) * column.trust)[chosen]
         entry = total.setdefault(column.signal, [0.0, 0.0])
         alike = 1.0 if added is None else campaign.alike(
@@ -164,8 +164,18 @@ def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:
         for error, mine, common in zip(model.errors, own.columns, campaign.columns)])
 
 
+def parts(campaign: Campaign) -> tuple[bool | None, ...]:
+    """
+    Return what a model must explain: fitted and held-out rows, each by themselves; or all (None).
+
+    A machine's own numbers were learnt on other logs: then no row of these was fitted, and the
+    more rows are judged the less is left to chance.
+    """
+    return (None,) if campaign.rig.fingerprint else (False, True)
+
+
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
-                held_out: bool = True) -> dict[str, float]:
+                held_out: bool | None = True) -> dict[str, float]:
     """
     Return the signals whose noise ratio, over the model's own floors, is not explained.
 
@@ -174,22 +184,23 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     beyond its floor does not grow with that: ringing hides no error.
     """
     own, fitted = judged(campaign, model)
-    clean = CLEAN_RATIO if held_out else CLEAN_FITTED
+    clean = CLEAN_FITTED if held_out is False else CLEAN_RATIO
     left = {}
     for name, ratio in own.ratios(fitted.errors, held_out).items():
         common = _squared_floors(campaign, own, name, held_out)
-        if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name)
+        if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
                        + common * (FORM_SHARE * done.get(name, 0.0))**2):
             left[name] = ratio
     return left
 
 
-def _squared_floors(campaign: Campaign, own: Campaign, name: str, held_out: bool) -> float:
+def _squared_floors(campaign: Campaign, own: Campaign, name: str,
+                    held_out: bool | None) -> float:
     """Return the squared floor of a signal over that of a model with floors of its own."""
     total, count = 0.0, 0
     for common, mine in zip(campaign.columns, own.columns):
         if common.signal == name:
-            samples = len(common.judge if held_out else common.fit)
+            samples = len(common.rows(held_out))
             total += samples * (mine.scale / common.scale)**2
             count += samples
     return total / max(count, 1)

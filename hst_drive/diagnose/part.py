@@ -180,13 +180,13 @@ class PartCampaign(Campaign):
         left = more - forms @ np.linalg.lstsq(forms, more, rcond=None)[0]
         return 1.0 - float(left @ left) / power
 
-    def scatter(self, name: str) -> float:
+    def scatter(self, name: str, held_out: bool | None = True) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""
         count = 0.0
         for column in self.columns:
             if column.signal == name:
                 step = self.replays[column.log].run.sample_time
-                count += len(column.judge) * (1.0 if self.replays[column.log].static
+                count += len(column.rows(held_out)) * (1.0 if self.replays[column.log].static
                                               else min(10 * step, 1.0))
         return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
 

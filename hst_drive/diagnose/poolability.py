@@ -14,7 +14,7 @@ from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.causes import misreadings
 from hst_drive.diagnose.fit import calibrated, Fit, fit
 from hst_drive.diagnose.free_forms import faint, PATIENT
-from hst_drive.diagnose.judge import unexplained
+from hst_drive.diagnose.judge import parts, unexplained
 
 _FEWEST = 3     # recordings: of two nobody could tell which is odd
 
@@ -46,4 +46,4 @@ def several_drives(campaign: Campaign) -> bool:
 
 
 def _left(campaign: Campaign, fitted: Fit) -> bool:
-    return any(unexplained(campaign, fitted, {}, held_out) for held_out in (True, False))
+    return any(unexplained(campaign, fitted, {}, part) for part in parts(campaign))

@@ -15,7 +15,7 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.fit import at_its_end, calibrated, Fit, fit, score
 from hst_drive.diagnose.judge import (
-    contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, PRACTICAL, SIGNIFICANT, unexplained,
+    contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, parts, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
 from hst_drive.diagnose.phases import in_step
 from hst_drive.diagnose.score_test import score_test
@@ -194,9 +194,11 @@ class Search:
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
-        fitted = contribution(self.campaign, self.bare, candidate.fit, False)
-        return {**unexplained(self.campaign, candidate.fit, fitted, False),
-                **unexplained(self.campaign, candidate.fit, self.done(candidate))}
+        left: dict[str, float] = {}
+        for part in parts(self.campaign):
+            done = contribution(self.campaign, self.bare, candidate.fit, part)
+            left |= unexplained(self.campaign, candidate.fit, done, part)
+        return left
 
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""

@@ -17,7 +17,7 @@ from hst_drive.diagnose.dependence import (
 from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
-from hst_drive.diagnose.judge import gain, judged, PRACTICAL, unexplained
+from hst_drive.diagnose.judge import gain, judged, parts, PRACTICAL, unexplained
 from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Formula, Unknown, Value
@@ -54,7 +54,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
         None if no structured error is left, neither on held-out logs nor on those fitted.
 
     """
-    left = sure or any(unexplained(campaign, model, {}, held_out) for held_out in (True, False))
+    left = sure or any(unexplained(campaign, model, {}, part) for part in parts(campaign))
     campaign, model = judged(campaign, model)
     place = locate(campaign, model) if left else None
     if place is None:

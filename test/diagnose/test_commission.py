@@ -74,6 +74,12 @@ def test_a_log_that_misleads_alone_is_judged_with_the_others(monkeypatch, togeth
         assert commission(MAKE, 'make.yaml', runs).from_logs
 
 
+def test_a_unit_three_tolerances_below_its_make_is_learnt():
+    """A fall by 24 % is 3.4 tolerances of 8 %, counted as logarithms."""
+    made = commission(MAKE, 'make.yaml', [day(1, factors=(UNIT[0], 0.76))])
+    assert made.quantities[1].factor == pytest.approx(0.76, abs=0.005)
+
+
 @pytest.mark.parametrize('effects, celsius', [
     ({}, 60.0), ({'bearing_friction': {'coulomb': 5.0}}, 60.0),
     ({'viscous_drag': {'coefficient': 0.5}}, 50.0), ({'line_loss': {'laminar': 1e8}}, 50.0)])
