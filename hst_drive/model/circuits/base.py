@@ -18,11 +18,16 @@ from hst_drive.rig import Curve, Rig, Surface
 
 
 class State(NamedTuple):
-    """A state: channel that tells it, SI unit, parameter with which a drive at rest starts."""
+    """
+    A state: channel that tells it, SI unit, parameter with which a drive at rest starts.
+
+    Without an effect in the slot ``moved_by`` it stays there.
+    """
 
     name: str
     unit: str
     start: str = ''
+    moved_by: str = ''
 
 
 class Input(NamedTuple):
