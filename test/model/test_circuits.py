@@ -190,7 +190,7 @@ def test_a_step_of_a_closed_circuit_agrees_with_radau():
     load = {'opposing_torque': np.full(len(time), 4000.0)}
     start = np.array([values[-1] for values in (moved(CLOSED, 4.0, 4000.0)[1][name] for name in (
         'pump_displacement', 'line_a_pressure', 'line_b_pressure', 'motor_speed',
-        'motor_angle'))])
+        'motor_angle', 'pump_speed'))])
     want = solve_ivp(rates, (0.0, 3.0), start[:4], 'Radau', time, args=(full * 6.0 / 9.0,),
                      rtol=1e-6, atol=[1e-12, 10.0, 10.0, 1e-6])
     found = model.run(time, {'pump_command': np.full(len(time), 7.0), **load}, {}, start.copy())

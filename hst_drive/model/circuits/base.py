@@ -39,15 +39,17 @@ class Input(NamedTuple):
 
 class Part(NamedTuple):
     """
-    One way to predict a signal: a quantity, plus ``storage`` times the rate of a measured state.
+    One way to predict a signal: a quantity, less ``storage`` times the rate of a measured state.
 
-    It counts where the quantity ``when`` is at least 1 (always, without one).
+    And less the rate of the quantity ``turns``. It counts where the quantity ``when`` is at least
+    1 (always, without one).
     """
 
     quantity: str
     when: str = ''
     state: str = ''
     storage: str = ''
+    turns: str = ''
 
 
 class Balance(NamedTuple):

@@ -11,7 +11,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, LEAKS, motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -178,9 +178,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     b_made_up = max(charge - line_b_pressure, 0.0) / p[P_check_valve]
     a_made_up -= 0.0 if a_high else flushed
     b_made_up -= flushed if a_high else 0.0
-    gear_twist = 0.0
-    # slot gear_twist
-    twisted = motor_displacement * motor_displacement * gear_twist
+    twisted, gear_angle = gear(
+        motor_torque_load, pressure, motor_displacement, p, on, cells, layout)
     a_storage = twisted + capacity(line_a_pressure, 1.0, oil_temperature, p, on, cells, layout)
     b_storage = twisted + capacity(line_b_pressure, -1.0, oil_temperature, p, on, cells, layout)
     a_rate = (delivered - swept - a_loss + a_made_up) / a_storage
@@ -190,18 +189,16 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
 
-    at_motor = difference - 2.0 * line_drop * forwards
-    motor_torque = shaft_torque(
-        abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
-    acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
+    motor_torque, acceleration = shaft(
+        difference - 2.0 * line_drop * forwards, motor_torque_load, opposing_torque, motor_speed,
+        motor_angle, oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     pump_torque_loss = 0.0
     # slot pump_torque_loss
     taken, charging = stroke * difference, p[P_charge_displacement] * held_at
     pump_torque = taken + charging + pump_torque_loss + (abs(taken) + charging) * (
         1.0 / interpolate2(pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0)
-    far = difference / p[P_margin]
+    # Above the charge pressure no check valve lets oil into a line.
+    far, above = difference / p[P_margin], (high - held_at) / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
@@ -209,7 +206,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
             pump_torque, pump_torque * pump_speed, drained + drained_low,
             swept + (drained if a_high else drained_low), a_storage / motor_displacement,
-            -b_storage / motor_displacement, p[P_inertia], far, -far, -far * fed, far * fed, fed)
+            -b_storage / motor_displacement, gear_angle, p[P_inertia], side * above,
+            -side * above, -far * fed, far * fed, fed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -247,7 +245,7 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(charged, capacity, motor_leaks, shaft_torque), numbers=numbers,
+    helpers=(charged, capacity, gear, motor_leaks, shaft), numbers=numbers,
     sections=('pump', 'motor', 'line', 'charge'), complete=complete,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
@@ -265,16 +263,17 @@ CIRCUIT = Circuit(
             State('motor_angle', 'rad'),
             State('pump_speed', 'rad/s', 'pump_shaft_speed', moved_by='pump_speed')),
     held_inputs=(Input('pump_command'),),
-    inputs=(Input('charge_pressure', math.nan), Input('oil_temperature'), Input('viscosity_ratio', 1.0), Input('motor_torque'),
+    inputs=(Input('charge_pressure', math.nan), Input('oil_temperature'),
+            Input('viscosity_ratio', 1.0), Input('motor_torque', math.nan),
             Input('opposing_torque'), Input('motor_displacement_command')),
     quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
                 'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
-                'motor_inlet_flow', 'a_storage', 'b_storage', 'inertia', 'a_high',
-                'b_high', 'a_held', 'b_held', 'fed'),
+                'motor_inlet_flow', 'a_storage', 'b_storage', 'gear_angle',
+                'inertia', 'a_high', 'b_high', 'a_held', 'b_held', 'fed'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
-                (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
-                 Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
+                (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
+                 Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage', 'gear_angle')),
                 needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow',
                 sheet=_SWEPT),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',
