@@ -27,6 +27,7 @@ import numpy as np
 MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
+_EXCHANGED = 3
 _AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
@@ -271,7 +272,7 @@ class Search:
                 # Short events may ask for one more effect though the whole is near the noise.
                 level, asked = self.extend(best, _HOPE), self.agreed
             beam = level[:_BEAM]
-        return self.prune(best)
+        return self.prune(self.exchange(best))
 
     def _together(self, best: Candidate, beam: Sequence[Candidate]) -> Candidate | None:
         """
@@ -286,6 +287,20 @@ class Search:
             return None
         top = self.refine(level[0])
         return top if top.score < best.score and self.worthwhile(best, top) else None
+
+    def exchange(self, best: Candidate) -> Candidate:
+        """Put others in the place of effects that were chosen when the rest was not there."""
+        for out in best.names if len(best.names) > 1 else ():
+            kept, others = best.fit.model.without(out), {*best.names} - {out}
+            fewer = self.try_all([((*others,), kept)], 'taking effects out')[0]
+            likely = [name for _, name in sorted(score_test(self, fewer), reverse=True)
+                      if name != out][:_EXCHANGED]
+            found = self.try_all([((*others, name), kept) for name in likely], 'exchanging',
+                                 again=True)
+            top = min(found, key=lambda item: item.score, default=best)
+            if top.score < best.score and (top := self.refine(top)).score < best.score:
+                return self.exchange(top)
+        return best
 
     def prune(self, best: Candidate) -> Candidate:
         """Take effects out again that are not needed beside the others."""

@@ -67,6 +67,7 @@ SLOTS: dict[str, Slot] = {
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
     'gear_twist': Slot('torque', 'rad/(N.m)', 'turn of the hydromotor against the shaft behind '
                        'its gear, per torque'),
+    'gear_angle': Slot('torque', 'rad', 'turn of the hydromotor against that shaft'),
     'shaft_compliance': Slot('torque', 'rad/(N.m)', 'twist of the shaft per torque'),
     'shaft_load_share': Slot('torque', '1', f'added to the share of the inertia ({USUAL_SHARE}) '
                              'that lies behind a flexible shaft'),
@@ -83,7 +84,7 @@ SLOTS: dict[str, Slot] = {
 
 # Places that the open circuit has not.
 OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
-                               'gear_twist', 'valve_command', 'valve_lag'})
+                               'gear_twist', 'gear_angle', 'valve_command', 'valve_lag'})
 
 # What an effect may read: name -> unit. Constants of the rig stand beside signals.
 READABLE: dict[str, str] = {
@@ -111,6 +112,7 @@ _KNOWN: dict[str, frozenset[str]] = {
     'cross_port_flow': _BALANCES | {'pump_speed'},
     'charge_pressure': frozenset({'pump_speed', 'oil_temperature', 'viscosity_ratio'}),
     'gear_twist': frozenset({'pressure', 'motor_displacement'}),
+    'gear_angle': frozenset({'load_torque'}),
     **dict.fromkeys(('charge_wear', 'one_line'), frozenset()),
     **dict.fromkeys(('valve_command', 'valve_lag'), frozenset({'valve_command'})),
     'pump_torque_loss': _COMMANDS | {'pump_speed'},

@@ -20,16 +20,23 @@ def twist(pressure, motor_displacement, angle, band):
     return 0.5 * angle / (band * math.cosh(torque)**2)
 
 
+def turned(load_torque, angle, band):
+    """Return how far the hydromotor has turned against the shaft behind its gear, rad."""
+    return 0.5 * angle * math.tanh(load_torque / band)
+
+
 EFFECT = Effect(
     id='gear_backlash',
     title='play of the gear',
     slot='gear_twist',
     function=twist,
-    equation='d(angle)/dT = angle/(2*band) / cosh(T/band)^2, T = |P_a - P_b|*D_m',
+    also=(('gear_angle', turned),),
+    equation='d(angle)/dT = angle/(2*band) / cosh(T/band)^2, T the measured torque or '
+             '|P_a - P_b|*D_m',
     parameters=(
         Parameter('angle', 'rad', 0.0, 0.5, 0.02, 'play, at the measured shaft'),
-        Parameter('band', 'N.m', 1.0, 5000.0, 100.0,
-                  'torque over which it is passed: what the gear drags by itself', neutral=100.0,
+        Parameter('band', 'N.m', 1.0, 5000.0, 20.0,
+                  'torque over which it is passed: what the gear drags by itself', neutral=20.0,
                   fixed=True),
     ),
     telltale='Pressure stays low for a moment at each change of the torque sign while oil flows '

@@ -8,8 +8,6 @@ the weak form that ``PartReplay`` has for rates.
 """
 from __future__ import annotations
 
-from typing import Any
-
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table
@@ -24,8 +22,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 _SETTLES = 2.0      # s before the first row in which the actuator settles on its command
-_CHANGES = 0.1      # s before and after the lines change their parts that are not judged
-_TELLS = 0.05       # s, over which signals are smoothed that tell in which rows
+_CHANGES = 0.1      # s before and after what a balance hangs on that are not judged
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
@@ -95,14 +92,11 @@ class CircuitReplay(PartReplay):
                  for key, values in run.channels.items()}
         told = {entry.name: known[entry.name] for entry in model.circuit.states
                 if entry.name in known}
-        # A sensor's noise must not tell, nor a moment pass unseen in which the equations jump.
-        slow = {name: gaussian_filter1d(values, _TELLS / run.sample_time)
-                for name, values in told.items()}
-        found = [model.run(run.time - run.time[0], known, entry) for entry in (slow, told)]
+        found = model.run(run.time - run.time[0], known, told)
+        simple = np.any([found[when] >= 1.0 for when in needed], axis=0)
+        # No moment may pass unseen in which the equations jump.
         width = 2 * int(_CHANGES / run.sample_time) + 1
-        # The lines change their parts within moments, in which neither balance is simple.
-        return np.any([minimum_filter1d(np.all([entry[when] >= 1.0 for entry in found], axis=0)
-                                        .astype(np.int8), width) for when in needed], axis=0)
+        return minimum_filter1d(simple.astype(np.int8), width) > 0
 
     def _unjudged(self, name: str) -> np.ndarray | bool:
         balance = self._by_name[self.balances[name]]
@@ -198,14 +192,19 @@ class CircuitReplay(PartReplay):
 
     def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
                   channels: dict[str, np.ndarray], signal: str) -> np.ndarray:
-        value: Any = None
-        for part in parts:
-            one = self._smooth(found[part.quantity], signal)
+        chosen = np.zeros(len(self.run), dtype=int)
+        for place, part in enumerate(parts[1:], 1):
+            chosen[found[part.when] >= 1.0] = place
+        value = self._smooth(np.choose(chosen, [found[part.quantity] for part in parts]), signal)
+        stored = np.zeros(len(self.run))
+        for place, part in enumerate(parts):
             if part.state and part.state in channels:
-                one = one - self._smooth(found[part.storage], signal) * self._rate(
-                    channels[part.state], signal)
-            value = one if value is None else np.where(found[part.when] >= 1.0, one, value)
-        return value
+                storage = np.where(chosen == place, found[part.storage], 0.0)
+                stored[1:] += np.cumsum(0.5 * (storage[1:] + storage[:-1])
+                                        * np.diff(channels[part.state]))
+        # Summed before it is smoothed: the lines may change their parts at any row.
+        stored += found[parts[0].turns] if parts[0].turns else 0.0
+        return value - self._rate(stored, signal)
 
 
 def _earlier(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

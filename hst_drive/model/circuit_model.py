@@ -121,9 +121,12 @@ class CircuitModel(PartModel):
             .astype(float) for entries in (circuit.held_inputs, circuit.inputs))
         record = np.zeros((n, len(circuit.states)))
         mask = np.zeros(len(circuit.states), dtype=np.int8)
+        values, switches = self._vectors()
         for index, entry in enumerate(circuit.states):
             if entry.name in told:
                 record[:, index], mask[index] = told[entry.name], 1
+            elif entry.moved_by and not switches[self.code.slots[entry.moved_by]]:
+                record[:, index], mask[index] = self.parameter(entry.start), 1
         if state is None:
             state = self.at_rest()
         if memory is None:
@@ -132,12 +135,12 @@ class CircuitModel(PartModel):
                    len(circuit.quantities))
         out = np.empty((n, len(circuit.quantities)))
         if max_step is None:
-            fast = any(entry.start for entry in circuit.states if entry.name not in told)
+            fast = any(entry.unit == 'Pa' for entry in circuit.states if entry.name not in told)
             max_step = min(self._steps[0], MAX_STEP) if fast else min(
                 self._steps[1], _TOLD_STEP)
         cells, layout = self._tables
         self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs, mask, record,
-                      state, memory, *self._vectors(), cells, layout.copy(), max_step,
+                      state, memory, values, switches, cells, layout.copy(), max_step,
                       np.zeros((6, room)), out)
         found = {name: out[:, index] for index, name in enumerate(circuit.quantities)}
         return {**{entry.name: record[:, index] for index, entry in enumerate(circuit.states)},

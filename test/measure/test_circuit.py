@@ -73,6 +73,22 @@ def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):
     assert [entry.id for entry in found.effects][:1] == [effect], truth
 
 
+def test_a_play_shows_where_the_torque_changes_its_sign(tmp_path):
+    """The shaft stands while oil turns the hydromotor; these moments are judged, too."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect',
+                                'gear_backlash=0.71', '--seed', '7002')
+    run = logs['sweep']
+    without = model_of(rig, [run])
+    replay = part_replay(run, without)
+    play = without.changed({'gear_backlash': {
+        'angle': truth['si_parameters']['play'], 'band': 100.0}}, {})
+    late = run.time > 1.0
+    rms = [np.sqrt(np.nanmean((replay.predict(model).signals['motor_speed']
+                               - replay.run['motor_speed'])[late]**2)) for model in (
+        without, play)]
+    assert rms[1] < 0.6 * rms[0]
+
+
 @pytest.fixture(scope='module')
 def aerated(tmp_path_factory):
     """Return a closed circuit with air in its oil, read at 100 Hz with quick commands."""

@@ -147,6 +147,27 @@ def test_an_accumulator_stands_on_one_line_or_on_both(where, soft):
         assert (abs(found[name][0]) > 1.05 * abs(stiff[name][0])) == is_soft
 
 
+def test_a_prime_mover_gives_way_as_slowly_as_its_inertia_lets_it():
+    """Behind a step of pressure its speed falls exponentially; a pump that brakes speeds it up."""
+    time = np.arange(0.0, 1.0, 0.01)
+    nominal, stroke = 1800 * math.pi / 30, 0.5 * 71 * CC_REV
+    for way in (1.0, -1.0):
+        high = np.where(time < 0.2, 20e5, 220e5)
+        told = {'pump_displacement': np.full(100, way * stroke), 'line_a_pressure': high,
+                'line_b_pressure': np.full(100, 20e5), 'motor_speed': np.zeros(100),
+                'motor_angle': np.zeros(100)}
+        found = CircuitModel(CLOSED, {'pump_speed_droop': {
+            'droop': 0.1, 'time_constant': 0.15}}).run(time, {}, told)['pump_speed']
+        slip = 0.1 * 0.5 * 200e5 / CLOSED.cross_port_relief.set_pressure
+        after = np.maximum(time - 0.195, 0.0)       # the record rises on a straight line
+        np.testing.assert_allclose(found / nominal - 1.0, -way * slip * (
+            1.0 - np.exp(-after / 0.15)), atol=2e-3 * slip)
+        measured = CircuitModel(CLOSED, {'pump_speed_droop': {}}).run(
+            time, {}, {**told, 'pump_speed': np.full(100, 180.0)})
+        assert measured['pump_torque'][-1] == pytest.approx(
+            measured['pump_power'][-1] / 180.0)
+
+
 def test_a_step_of_a_closed_circuit_agrees_with_radau():
     """Equations written anew, with the charge line solved by bisection: within half a percent."""
     made, swept = 16 * CC_REV * 60 * math.pi, 2 * 3.0 * 560 * CC_REV
@@ -169,7 +190,7 @@ def test_a_step_of_a_closed_circuit_agrees_with_radau():
     load = {'opposing_torque': np.full(len(time), 4000.0)}
     start = np.array([values[-1] for values in (moved(CLOSED, 4.0, 4000.0)[1][name] for name in (
         'pump_displacement', 'line_a_pressure', 'line_b_pressure', 'motor_speed',
-        'motor_angle'))])
+        'motor_angle', 'pump_speed'))])
     want = solve_ivp(rates, (0.0, 3.0), start[:4], 'Radau', time, args=(full * 6.0 / 9.0,),
                      rtol=1e-6, atol=[1e-12, 10.0, 10.0, 1e-6])
     found = model.run(time, {'pump_command': np.full(len(time), 7.0), **load}, {}, start.copy())

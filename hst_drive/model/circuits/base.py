@@ -18,11 +18,16 @@ from hst_drive.rig import Curve, Rig, Surface
 
 
 class State(NamedTuple):
-    """A state: channel that tells it, SI unit, parameter with which a drive at rest starts."""
+    """
+    A state: channel that tells it, SI unit, parameter with which a drive at rest starts.
+
+    Without an effect in the slot ``moved_by`` it stays there.
+    """
 
     name: str
     unit: str
     start: str = ''
+    moved_by: str = ''
 
 
 class Input(NamedTuple):
@@ -34,15 +39,17 @@ class Input(NamedTuple):
 
 class Part(NamedTuple):
     """
-    One way to predict a signal: a quantity, plus ``storage`` times the rate of a measured state.
+    One way to predict a signal: a quantity, less ``storage`` times the rate of a measured state.
 
-    It counts where the quantity ``when`` is at least 1 (always, without one).
+    And less the rate of the quantity ``turns``. It counts where the quantity ``when`` is at least
+    1 (always, without one).
     """
 
     quantity: str
     when: str = ''
     state: str = ''
     storage: str = ''
+    turns: str = ''
 
 
 class Balance(NamedTuple):

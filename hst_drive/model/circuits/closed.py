@@ -11,7 +11,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, LEAKS, motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -80,8 +80,8 @@ def charged(low, high, flow, relief, override, check_valve):
     return charge
 
 
-def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag, rate,
-             back_rate, pump_command, pump_speed_measured, charge_measured, oil_temperature,
+def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, drive_speed, aim,
+             lag, rate, back_rate, pump_command, charge_measured, oil_temperature,
              viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
              on, cells, layout):
     """Return the rate of the stroke."""
@@ -99,8 +99,8 @@ def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle,
     return stroke_rate
 
 
-def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, aim, lag, rate,
-              back_rate, pump_command, pump_speed_measured, charge_measured, oil_temperature,
+def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, drive_speed, aim,
+              lag, rate, back_rate, pump_command, charge_measured, oil_temperature,
               viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
               on, cells, layout):
     """Return the rates of the other states, then the quantities."""
@@ -116,8 +116,16 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     side = 1.0 if a_high else -1.0
     low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
     # What leaks or is compressed does so at the pressure of its line, the rest at both lines'.
-    pump_pressure, pressure = max(high, 0.0), abs(difference)
+    way = 1.0 if stroke >= 0.0 else -1.0
+    pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
     displacement, speed = abs(stroke), abs(motor_speed)
+    pump_speed = nominal_speed
+    # slot pump_speed
+    pump_speed_lag = 0.0
+    # slot pump_speed_lag
+    drive_rate = (pump_speed - drive_speed) / max(pump_speed_lag, PUMP_SPEED_AT_ONCE)
+    pump_speed = drive_speed
+    pump_pressure, pressure = max(high, 0.0), abs(difference)
     forwards = 1.0 if motor_speed >= 0.0 else -1.0
     flow = motor_displacement * speed
     line_drop = 0.0
@@ -134,15 +142,10 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         max(low, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
         pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
-    pump_speed = nominal_speed
-    # slot pump_speed
-    if not math.isnan(pump_speed_measured):
-        pump_speed = pump_speed_measured
     pump_flow_loss = 0.0
     # slot pump_flow_loss
     lost = drained + pump_leakage + pump_flow_loss
-    way = 1.0 if stroke >= 0.0 else -1.0
-    pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
+    pump_pressure = way * difference
     pump_flow_loss_kept = 0.0
     # slot pump_flow_loss kept
     low_loss, high_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
@@ -175,9 +178,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     b_made_up = max(charge - line_b_pressure, 0.0) / p[P_check_valve]
     a_made_up -= 0.0 if a_high else flushed
     b_made_up -= flushed if a_high else 0.0
-    gear_twist = 0.0
-    # slot gear_twist
-    twisted = motor_displacement * motor_displacement * gear_twist
+    twisted, gear_angle = gear(
+        motor_torque_load, pressure, motor_displacement, p, on, cells, layout)
     a_storage = twisted + capacity(line_a_pressure, 1.0, oil_temperature, p, on, cells, layout)
     b_storage = twisted + capacity(line_b_pressure, -1.0, oil_temperature, p, on, cells, layout)
     a_rate = (delivered - swept - a_loss + a_made_up) / a_storage
@@ -187,27 +189,25 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
 
-    at_motor = difference - 2.0 * line_drop * forwards
-    motor_torque = shaft_torque(
-        abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
-    acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
+    motor_torque, acceleration = shaft(
+        difference - 2.0 * line_drop * forwards, motor_torque_load, opposing_torque, motor_speed,
+        motor_angle, oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     pump_torque_loss = 0.0
     # slot pump_torque_loss
     taken, charging = stroke * difference, p[P_charge_displacement] * held_at
     pump_torque = taken + charging + pump_torque_loss + (abs(taken) + charging) * (
         1.0 / interpolate2(pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0)
-    far = difference / p[P_margin]
+    # Above the charge pressure no check valve lets oil into a line.
+    far, above = difference / p[P_margin], (high - held_at) / p[P_margin]
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
-    return (a_rate, b_rate, acceleration, motor_speed,
+    return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
             (delivered - a_loss) / motor_displacement,
             (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
             pump_torque, pump_torque * pump_speed, drained + drained_low,
-            swept + (drained if a_high else drained_low), pump_speed,
-            a_storage / motor_displacement, -b_storage / motor_displacement, p[P_inertia],
-            far, -far, -far * fed, far * fed, fed)
+            swept + (drained if a_high else drained_low), a_storage / motor_displacement,
+            -b_storage / motor_displacement, gear_angle, p[P_inertia], side * above,
+            -side * above, -far * fed, far * fed, fed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -245,7 +245,7 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(charged, capacity, motor_leaks, shaft_torque), numbers=numbers,
+    helpers=(charged, capacity, gear, motor_leaks, shaft), numbers=numbers,
     sections=('pump', 'motor', 'line', 'charge'), complete=complete,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
@@ -260,19 +260,20 @@ CIRCUIT = Circuit(
             'charge.pump_displacement': 'charge_displacement', **SCALED},
     states=(State('pump_displacement', 'm^3/rad'), State('line_a_pressure', 'Pa', 'charge_relief'),
             State('line_b_pressure', 'Pa', 'charge_relief'), State('motor_speed', 'rad/s'),
-            State('motor_angle', 'rad')),
+            State('motor_angle', 'rad'),
+            State('pump_speed', 'rad/s', 'pump_shaft_speed', moved_by='pump_speed')),
     held_inputs=(Input('pump_command'),),
-    inputs=(Input('pump_speed', math.nan), Input('charge_pressure', math.nan),
-            Input('oil_temperature'), Input('viscosity_ratio', 1.0), Input('motor_torque'),
+    inputs=(Input('charge_pressure', math.nan), Input('oil_temperature'),
+            Input('viscosity_ratio', 1.0), Input('motor_torque', math.nan),
             Input('opposing_torque'), Input('motor_displacement_command')),
     quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
                 'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
-                'motor_inlet_flow', 'pump_speed', 'a_storage', 'b_storage', 'inertia', 'a_high',
-                'b_high', 'a_held', 'b_held', 'fed'),
+                'motor_inlet_flow', 'a_storage', 'b_storage', 'gear_angle',
+                'inertia', 'a_high', 'b_high', 'a_held', 'b_held', 'fed'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
-                (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage'),
-                 Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage')),
+                (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
+                 Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage', 'gear_angle')),
                 needs=(*_LINES, _STROKE), per='motor_displacement', formula='formula_pump_flow',
                 sheet=_SWEPT),
         Balance('low line A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the low side',

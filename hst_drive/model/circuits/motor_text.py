@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Lines, hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
+import math
 
 
 def capacity(pump_pressure, line, oil_temperature, p, on, cells, layout):
@@ -13,6 +14,22 @@ def capacity(pump_pressure, line, oil_temperature, p, on, cells, layout):
         # slot compliance
         pass
     return line_volume * compliance
+
+
+def gear(load_torque, pressure, motor_displacement, p, on, cells, layout):
+    """
+    Return what a play of the gear takes per pressure, m^3/Pa, or how far it was passed, rad.
+
+    A torque that is measured behind the gear tells it without the hydromotor's own inertia.
+    """
+    gear_twist = gear_angle = 0.0
+    if math.isnan(load_torque):
+        # slot gear_twist
+        pass
+    else:
+        # slot gear_angle
+        pass
+    return motor_displacement * motor_displacement * gear_twist, gear_angle
 
 
 def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
@@ -33,17 +50,17 @@ def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscos
         low, abs(motor_speed), T_MOTOR_LEAKAGE, cells, layout)
 
 
-def shaft_torque(pressure, side, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-                 motor_displacement, p, on, cells, layout):
+def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_temperature,
+          viscosity_ratio, motor_displacement, p, on, cells, layout):
     """
-    Return the torque at the shaft, N.m; ``side`` is 1 where line A carries the pressure.
+    Return torque and acceleration of the shaft, which a ``measured`` torque (or NaN) brakes.
 
     What is lost brakes, whether oil drives the shaft or the shaft the oil.
     """
     oil_density, pistons = p[P_oil_density], p[P_pistons]
     characterised_at = p[P_characterised_at]
     direction = smooth_sign(motor_speed * p[P_sign_scale])
-    ideal = side * pressure * motor_displacement
+    ideal, pressure = difference * motor_displacement, abs(difference)
     efficiency = p[P_motor_efficiency_scale] * interpolate2(
         pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
     friction = 0.0
@@ -57,7 +74,9 @@ def shaft_torque(pressure, side, motor_speed, motor_angle, oil_temperature, visc
     motor_torque_loss = motor_torque = 0.0
     # slot motor_torque_loss
     # slot motor_torque
-    return motor_torque + drive - (motor_torque_loss + whole_load_torque) * direction
+    torque = motor_torque + drive - (motor_torque_loss + whole_load_torque) * direction
+    braking = opposing_torque * direction + (0.0 if math.isnan(measured) else measured)
+    return torque, (torque - braking) / p[P_inertia]
 
 
 def motor_numbers(rig):

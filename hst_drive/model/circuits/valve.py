@@ -10,7 +10,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, LEAKS, motor_leaks, motor_numbers, SCALED, shaft_torque, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -79,9 +79,8 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     else:
         into_a = edge(back_pressure - line_a_pressure, -opening, p)
         into_b = edge(supply - line_b_pressure, -opening, p)
-    gear_twist = 0.0
-    # slot gear_twist
-    twisted = motor_displacement * motor_displacement * gear_twist
+    twisted, gear_angle = gear(
+        motor_torque_load, pressure, motor_displacement, p, on, cells, layout)
     a_storage = twisted + capacity(line_a_pressure, 1.0, oil_temperature, p, on, cells, layout)
     b_storage = twisted + capacity(line_b_pressure, -1.0, oil_temperature, p, on, cells, layout)
     a_rate = (into_a - swept - a_loss) / a_storage
@@ -90,12 +89,9 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
         a_rate = max(a_rate, 0.0)
     if line_b_pressure <= CAVITATION_PRESSURE:
         b_rate = max(b_rate, 0.0)
-    at_motor = difference - 2.0 * line_drop * forwards
-    motor_torque = shaft_torque(
-        abs(at_motor), 1.0 if at_motor >= 0.0 else -1.0, motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    braking = opposing_torque * smooth_sign(motor_speed * p[P_sign_scale])
-    acceleration = (motor_torque - motor_torque_load - braking) / p[P_inertia]
+    motor_torque, acceleration = shaft(
+        difference - 2.0 * line_drop * forwards, motor_torque_load, opposing_torque, motor_speed,
+        motor_angle, oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     # What goes back through its edge tells the pressure before it.
     wide = max(abs(opening), 0.01) * p[P_valve_gain]
     a_returns, b_returns = max(-swept - a_loss, 0.0) / wide, max(swept - b_loss, 0.0) / wide
@@ -105,8 +101,8 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
             back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
             2.0 * a_returns / wide * a_storage, 2.0 * b_returns / wide * b_storage,
             motor_torque, drained + drained_low, swept + (drained if side > 0.0 else drained_low),
-            a_storage / motor_displacement, -b_storage / motor_displacement, p[P_inertia], forth,
-            -forth)
+            a_storage / motor_displacement, -b_storage / motor_displacement, gear_angle,
+            p[P_inertia], forth, -forth)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -131,7 +127,7 @@ CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(edge, capacity, motor_leaks, shaft_torque), numbers=numbers,
+    helpers=(edge, capacity, gear, motor_leaks, shaft), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
     keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
           'line.bulk_modulus_Pa'),
@@ -142,16 +138,16 @@ CIRCUIT = Circuit(
             State('motor_angle', 'rad')),
     held_inputs=(Input('valve_command'),),
     inputs=(Input('pump_outlet_pressure', math.nan), Input('oil_temperature'),
-            Input('viscosity_ratio', 1.0), Input('motor_torque'), Input('opposing_torque'),
-            Input('motor_displacement_command')),
+            Input('viscosity_ratio', 1.0), Input('motor_torque', math.nan),
+            Input('opposing_torque'), Input('motor_displacement_command')),
     quantities=('speed_by_a', 'speed_by_b', 'a_return', 'b_return', 'a_settles', 'b_settles',
                 'motor_torque', 'case_drain_flow', 'motor_inlet_flow', 'a_storage', 'b_storage',
-                'inertia', 'forth', 'back'),
+                'gear_angle', 'inertia', 'forth', 'back'),
     balances=(
         Balance('feeding edge', 'motor_speed', 'flow', 'm^3/s',
                 'oil between valve and hydromotor',
-                (Part('speed_by_a', 'forth', 'line_a_pressure', 'a_storage'),
-                 Part('speed_by_b', 'back', 'line_b_pressure', 'b_storage')),
+                (Part('speed_by_a', 'forth', 'line_a_pressure', 'a_storage', 'gear_angle'),
+                 Part('speed_by_b', 'back', 'line_b_pressure', 'b_storage', 'gear_angle')),
                 needs=('valve_command', *_LINES), per='motor_displacement',
                 formula='formula_motor_flow'),
         Balance('returning edge A', 'line_a_pressure', 'flow', 'Pa', 'pressure of the return',

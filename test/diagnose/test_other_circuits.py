@@ -1,0 +1,23 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Diagnosis of circuits beside the open one, on machines of an independent generator."""
+from test.measure.test_circuit import campaign
+
+from hst_drive.diagnose.decide import diagnose
+import pytest
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('effect, seed', [
+    ('suction_starvation=1.083', 7001), ('gear_backlash=0.71', 7002),
+    ('pump_speed_droop=0.571', 7011), ('cross_port_leakage=0.927', 7018)])
+def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed):
+    """Beside a leakage that follows viscosity, which each machine of that generator has."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', effect,
+                                '--seed', str(seed))
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    name, = truth['effects']
+    first, *others = found.effects
+    assert first.id == name and not first.indistinguishable_from
+    assert {entry.id for entry in others} <= {'leakage_temperature'}
