@@ -65,7 +65,8 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'inertia': motor.inertia, 'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
         'pistons': float(motor.pistons), 'bulk_modulus': line.bulk_modulus,
         # Of the relief valve's pressure, over that of none.
-        'compressibility_under_pressure': 1.0, 'volume': line.volume, 'oil_density': line.oil_density,
+        'compressibility_under_pressure': 1.0, 'volume': line.volume,
+        'oil_density': line.oil_density,
         'relief_set_pressure': valve.set_pressure,
         'relief_reference_pressure': valve.reference_pressure,
         # Eq. (2): Cd*A*sqrt(2*dP/rho).

@@ -181,8 +181,8 @@ TOLERANCES: tuple[str, ...] = (
     'pump.displacement_between_points', 'loading.pprv_between_points',
 )
 # What a datasheet does not tell and differs in any machine, by so much unless a file says
-# otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its points
-# a curve is anything from straight to smooth.
+# otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its
+# points a curve is anything from straight to smooth.
 UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
                             'pump.displacement_between_points': 0.2,
                             'loading.pprv_between_points': 0.2}

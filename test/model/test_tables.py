@@ -1,8 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """The tables, cut into cells, against SciPy's interpolation of the rig's numbers."""
-from hst_drive.model.kernel_template import interpolate, interpolate2
 from hst_drive.model import Drive
+from hst_drive.model.kernel_template import interpolate, interpolate2
 from hst_drive.model.parameters import baseline_tables, bulge, TABLES
 from hst_drive.rig import Curve, default_rig
 import numpy as np
