@@ -9,6 +9,7 @@ from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
+from hst_drive.rig.schema import UNTOLD
 from hst_drive.units import from_si
 import numpy as np
 
@@ -48,7 +49,7 @@ def prior(rig: Rig, runs: Sequence[Run], sizes: bool = False
     from day to day that counts within these temperatures as well: a leakage was learnt for their
     middle.
     """
-    sigmas = {key: value for key, value in rig.scatter.items() if value > 0}
+    sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return sigmas, {}
     more = _POWER * _thinner(rig, runs, sizes)

@@ -27,7 +27,7 @@ from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
-from hst_drive.diagnose.weigh import after_tests, nearly_certain
+from hst_drive.diagnose.weigh import after_tests, likeliest, nearly_certain
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
@@ -113,6 +113,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     else:
         sure = best is certain is not tested
         rivals = {name: () if sure else alternatives(search, best, name) for name in order}
+        first = best if left or doubt else likeliest(search, best, rivals)
+        if first is not best:
+            best, order = first, _order(search, first)
+            rivals = {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}

@@ -34,7 +34,7 @@ _SHARE = 0.1        # of what effects do, by which formulas are off machines
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
-_DECIDED = 3.0      # odds that the tests over held-out blocks are right
+DECIDED = 3.0       # odds that the tests over held-out blocks are right
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
 
@@ -240,7 +240,7 @@ def decided(found: Probability, verdict: str,
         share for (_, share), own in zip(found.sets, held) if own)
     if not 0.0 < said < 1.0:
         return found
-    share = max(_DECIDED * said / (_DECIDED * said + 1.0 - said), 0.5)
+    share = max(DECIDED * said / (DECIDED * said + 1.0 - said), 0.5)
     yes, no = share / said, (1.0 - share) / (1.0 - said)
     sets = sorted(((names, (yes if own else no) * value)
                    for (names, value), own in zip(found.sets, held)), key=lambda item: -item[1])

@@ -7,7 +7,8 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
-    BIN, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal, weight)
+    BIN, DECIDED, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal,
+    weight)
 from hst_drive.diagnose.fit import at_its_end, Fit
 from hst_drive.diagnose.judge import IN_SAMPLE
 from hst_drive.diagnose.limits import limited
@@ -16,6 +17,7 @@ from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.standing import standing
 from hst_drive.diagnose.unknowns import Unknowns
+from hst_drive.effects import catalogue
 import numpy as np
 
 _CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
@@ -82,6 +84,26 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
     hidden = limited(search.campaign, likelier.fit) < strained and max(
         search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE
     return likelier if left or hidden else best
+
+
+def likeliest(search: Search, best: Candidate,
+              rivals: Mapping[str, Sequence[str]]) -> Candidate:
+    """
+    Return the likeliest of the sets that stand.
+
+    The tests have chosen ``best``, so that another one must outweigh that. Of what is alike the
+    plainer one was taken (``plainer``).
+    """
+    shares = dict(weigh(search, best).sets)
+    others = [names for name, group in rivals.items() for rival in group
+              if rival not in (*catalogue()[name].alike, UNIT_ALONE)
+              for names in [tuple(sorted({*best.names} - {name} | {rival}))]]
+    names = max(others, key=lambda names: shares.get(names, 0.0), default=best.names)
+    if shares.get(names, 0.0) <= DECIDED * shares.get(best.names, 0.0):
+        return best
+    entry, = (entry for entry in search.tried() if entry.names == names)
+    found = standing(search, search.refine(entry))
+    return found if found.names == names and not search.unexplained(found) else best
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:

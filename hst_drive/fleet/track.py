@@ -26,7 +26,7 @@ OIL = 'line.bulk_modulus'
 CHANGE = 'change'       # of the oil's stiffness, as a share
 _OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oils lie apart
 # What does to a drive what a softer oil does.
-_LIKE_OIL = {'entrained_air', 'bulk_modulus_rise', 'compressibility_flow', 'accumulator'}
+_LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator'}
 _MOST = 3               # effects that are followed on one machine
 
 Sizes = dict[str, dict[str, object]]

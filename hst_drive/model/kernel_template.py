@@ -35,6 +35,14 @@ def interpolate(x, number, cells, layout):
     return cells[cell, 4] + cells[cell, 5] * x
 
 
+def along(x, between_points, number, bulge, cells, layout):
+    """Look a curve up that may bend between its points: at 1 it is straight, at 2 smooth."""
+    found = interpolate(x, number, cells, layout)
+    if between_points != 1.0:
+        found += (between_points - 1.0) * interpolate(x, bulge, cells, layout)
+    return found
+
+
 def interpolate2(x, y, number, cells, layout):
     """Look a value up in a table over two variables: bilinear, end values held."""
     cell = layout[number, 0]
@@ -132,8 +140,9 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angle
         load_inertia *= shaft_load_share
     n = len(time)
     for k in range(n):
-        target = p[P_pprv_pressure_scale] * interpolate(
-            pprv_commands[k], T_PPRV_PRESSURE, cells, layout)
+        target = p[P_pprv_pressure_scale] * along(
+            pprv_commands[k], p[P_pprv_between_points], T_PPRV_PRESSURE, T_PPRV_BULGE, cells,
+            layout)
         if k == 0:
             pprv_pressure = target
         oil_temperature = oil_temperatures[k]
@@ -193,7 +202,7 @@ def load_record(time, pprv_commands, motor_speeds, oil_temperatures, motor_angle
 
 def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angle, load_speed,
              twist, slowdown, far_pressure, pump_command, pprv_command, oil_temperature,
-             viscosity_ratio, disturbance, oil_compliance, p, on, cells, layout):
+             viscosity_ratio, disturbance, oil_compliance, oil_bend, p, on, cells, layout):
     """
     Evaluate all balances at one instant; without mass in the line its far pressure is NaN.
 
@@ -251,7 +260,7 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     pump_yield = 0.0
     # slot pump_yield
 
-    compliance = oil_compliance
+    compliance = oil_compliance * (1.0 + oil_bend * pump_pressure)
     # slot compliance
 
     back_pressure = 0.0
@@ -354,6 +363,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
              or on[SLOT_torque_reading])
     # Divided once, not in each evaluation.
     oil_compliance, per_inertia = 1.0 / p[P_bulk_modulus], 1.0 / p[P_inertia]
+    oil_bend = (p[P_compressibility_under_pressure] - 1.0) / p[P_relief_set_pressure]
     per_pprv_lag = 1.0 / p[P_pprv_lag]
     line_inertance = 0.0
     # slot line_inertance
@@ -430,10 +440,11 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         if speed_reading_series_lag <= 0.0:
             late_reading = reading
         earlier_reading = reading
-        target = p[P_displacement_scale] * interpolate(
-            pump_command, T_DISPLACEMENT, cells, layout)
-        pprv_target = p[P_pprv_pressure_scale] * interpolate(
-            pprv_command, T_PPRV_PRESSURE, cells, layout)
+        target = p[P_displacement_scale] * along(
+            pump_command, p[P_displacement_between_points], T_DISPLACEMENT, T_DISPLACEMENT_BULGE,
+            cells, layout)
+        pprv_target = p[P_pprv_pressure_scale] * along(
+            pprv_command, p[P_pprv_between_points], T_PPRV_PRESSURE, T_PPRV_BULGE, cells, layout)
 
         if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
             pilot_aim = target
@@ -475,7 +486,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                  speed_change, pump_speed_lag, back_pressure, pump_yield) = balances(
                     x0, x1, x2, x3, x4, x5, x6, x8, x10, pump_command, pprv_command,
                     oil_temperature, viscosity_ratio, disturbance + slope * (elapsed + ahead),
-                    oil_compliance, p, on, cells, layout)
+                    oil_compliance, oil_bend, p, on, cells, layout)
                 if stage == 0 and elapsed == 0.0:
                     if k == 0 and math.isnan(slowdown):
                         # Not known at the start: taken as settled.
@@ -535,7 +546,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     if on[SLOT_shaft_compliance]:
                         step = min(step, SHAFT_STEP * math.sqrt(
                             max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
-                    if compliance != oil_compliance and abs(r1) * step > BEND_COMPLIANCE:
+                    if on[SLOT_compliance] and abs(r1) * step > BEND_COMPLIANCE:
                         # What gas adds to the oil's spring changes within a few bar.
                         step = max(BEND_COMPLIANCE / abs(r1), 0.1 * max_step)
                     if wave:

@@ -18,14 +18,18 @@ import numpy as np
 NAMES: tuple[str, ...] = (
     'pump_shaft_speed', 'max_displacement', 'displacement_lag', 'displacement_scale',
     'pump_leakage_scale', 'motor_displacement', 'inertia', 'motor_leakage_scale',
-    'motor_efficiency_scale', 'pistons', 'bulk_modulus', 'volume', 'oil_density',
+    'motor_efficiency_scale', 'pistons', 'bulk_modulus', 'compressibility_under_pressure',
+    'volume', 'oil_density',
     'relief_set_pressure', 'relief_reference_pressure', 'relief_gain', 'gear_ratio',
     'load_displacement', 'load_efficiency_scale', 'pprv_pressure_scale', 'pprv_lag',
-    'pprv_override', 'pprv_reference_flow', 'characterised_at',
+    'pprv_override', 'pprv_reference_flow', 'characterised_at', 'displacement_between_points',
+    'pprv_between_points',
 )
 SCALED: dict[str, str] = {
     'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
-    'line.bulk_modulus': 'bulk_modulus', 'pump.displacement_vs_command': 'displacement_scale',
+    'line.bulk_modulus': 'bulk_modulus',
+    'line.compressibility_under_pressure': 'compressibility_under_pressure',
+    'pump.displacement_vs_command': 'displacement_scale',
     'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
     'motor.leakage': 'motor_leakage_scale',
     'motor.mechanical_efficiency': 'motor_efficiency_scale',
@@ -33,9 +37,12 @@ SCALED: dict[str, str] = {
     'loading.pump_mechanical_efficiency': 'load_efficiency_scale',
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
+    'pump.displacement_between_points': 'displacement_between_points',
+    'loading.pprv_between_points': 'pprv_between_points',
 }
 TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
-                           'LOAD_EFFICIENCY', 'PPRV_PRESSURE')
+                           'LOAD_EFFICIENCY', 'PPRV_PRESSURE', 'DISPLACEMENT_BULGE', 'PPRV_BULGE')
+_FINER = 4      # cells of a smooth curve between two points
 INDEX: dict[str, int] = {name: index for index, name in enumerate(NAMES)}
 
 
@@ -57,7 +64,9 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'pump_leakage_scale': 1.0, 'motor_displacement': motor.displacement,
         'inertia': motor.inertia, 'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
         'pistons': float(motor.pistons), 'bulk_modulus': line.bulk_modulus,
-        'volume': line.volume, 'oil_density': line.oil_density,
+        # Of the relief valve's pressure, over that of none.
+        'compressibility_under_pressure': 1.0, 'volume': line.volume,
+        'oil_density': line.oil_density,
         'relief_set_pressure': valve.set_pressure,
         'relief_reference_pressure': valve.reference_pressure,
         # Eq. (2): Cd*A*sqrt(2*dP/rho).
@@ -66,7 +75,8 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'load_efficiency_scale': 1.0, 'pprv_pressure_scale': 1.0, 'pprv_lag': loading.pprv_lag,
         'pprv_override': loading.pprv_override,
         'pprv_reference_flow': loading.pprv_reference_flow,
-        'characterised_at': rig.characterised_at,
+        'characterised_at': rig.characterised_at, 'displacement_between_points': 1.0,
+        'pprv_between_points': 1.0,
     }
     for key, factor in rig.calibration.items():
         values[SCALED[key]] *= factor
@@ -91,7 +101,27 @@ def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     """
     pump, motor, loading = rig.pump, rig.motor, rig.loading
     return cells_of((pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
-                     loading.pump_mechanical_efficiency, loading.pprv_pressure))
+                     loading.pump_mechanical_efficiency, loading.pprv_pressure,
+                     bulge(pump.displacement), bulge(loading.pprv_pressure)))
+
+
+def bulge(curve: Curve) -> Curve:
+    """
+    Return by how much a smooth curve through the points of one lies above straight lines.
+
+    Cubics whose slope at a point is the harmonic mean of the slopes beside it, so that they swing
+    nowhere beyond the points (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984).
+    """
+    step, slope = np.diff(curve.x), np.diff(curve.y) / np.diff(curve.x)
+    before, after = slope[:-1], slope[1:]
+    same = before * after > 0.0
+    inner = np.where(same, 2.0 * before * after / np.where(same, before + after, 1.0), 0.0)
+    ends = np.array([slope[0], *inner, slope[-1]])
+    at = np.arange(_FINER)[:, None] / _FINER
+    above = step * at * (1.0 - at) * (
+        (1.0 - at) * (ends[:-1] - slope) - at * (ends[1:] - slope))
+    return Curve(np.append((curve.x[:-1] + at * step).T.ravel(), curve.x[-1]),
+                 np.append(above.T.ravel(), 0.0))
 
 
 def cells_of(tables: Sequence[Curve | Surface]) -> tuple[np.ndarray, np.ndarray]:

@@ -177,8 +177,15 @@ TOLERANCES: tuple[str, ...] = (
     'pump.displacement_lag', 'pump.leakage', 'motor.leakage', 'motor.mechanical_efficiency',
     'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
     'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
-    'gear.efficiency', 'valve.rated_flow', 'valve.lag',
+    'gear.efficiency', 'valve.rated_flow', 'valve.lag', 'line.compressibility_under_pressure',
+    'pump.displacement_between_points', 'loading.pprv_between_points',
 )
+# What a datasheet does not tell and differs in any machine, by so much unless a file says
+# otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its
+# points a curve is anything from straight to smooth.
+UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
+                            'pump.displacement_between_points': 0.2,
+                            'loading.pprv_between_points': 0.2}
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.
 SUFFIXES: dict[str, str] = {

@@ -20,7 +20,7 @@ CONTRACT = (
     'motor_orifice_leakage suction_starvation swash_compliance accumulator '
     'line_inertance gear_backlash charge_pressure_loss cross_port_leakage '
     'cross_port_relief_cracking valve_dead_band valve_lag').split()
-BEYOND = ['bulk_modulus_rise', 'pump_friction', 'pump_orifice_leakage']
+BEYOND = ['pump_friction', 'pump_orifice_leakage']
 OWN = {name: effect for name, effect in catalogue().items() if origin(name) == 'hst_drive'}
 TERMS = [pytest.param(effect, slot, function, id=f'{name}-{slot}')
          for name, effect in OWN.items() for slot, function in effect.terms]

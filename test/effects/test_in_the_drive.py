@@ -286,12 +286,6 @@ def test_air_is_a_polytropic_spring(exponent):
     assert (half, none) == (pytest.approx(0.5 * free), 0.0)
 
 
-def test_oil_stiffens():
-    """K_0 + slope*P."""
-    function = catalogue()['bulk_modulus_rise'].function
-    assert 1 / (1 / 1.2e9 + function(100e5, 1.2e9, 10.0)) == pytest.approx(1.3e9)
-
-
 def displacement_after(effects, commands, rate=100.0):
     """Return the pump's displacement under given commands."""
     n = len(commands)

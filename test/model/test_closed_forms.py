@@ -105,6 +105,19 @@ def test_hydraulic_resonance(speed, load):
     assert model.b[0, 0] == pytest.approx(gain, rel=1e-3)
 
 
+def test_oil_that_stiffens_under_pressure():
+    """The squared resonance goes with the stiffness at the pressure of the point."""
+    found = []
+    for factor in (1.0, 0.8):
+        drive = Drive(default_rig())
+        drive.scale({'line.compressibility_under_pressure': factor})
+        point = operating_point(drive, 80 * RPM, 150.0)
+        poles = np.linalg.eigvals(linearise(drive, point).a)
+        found.append(abs(poles[np.argmax(poles.imag)])**2)
+    share = point.state[1] / default_rig().relief_valve.set_pressure
+    assert found[1] / found[0] == pytest.approx(1.0 / (1.0 - 0.2 * share), rel=2e-3)
+
+
 def test_the_ringing_after_a_step_has_the_resonance_of_the_linear_model():
     drive = Drive(default_rig())
     point = operating_point(drive, 80 * RPM, 150.0)
