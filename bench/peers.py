@@ -33,7 +33,6 @@ from hst_drive.diagnose.fit import calibrated, Fit
 from hst_drive.rig import load_rig
 import numpy as np
 
-KINDS = ('none', 'single', 'pair', 'unlisted')
 THRESHOLD = 0.1         # of typical size: what sparse regression takes for zero
 _RIDGE = 1e-3
 _OTHERS = 10            # simulated drives per effect to train the classifier on; as many healthy
