@@ -1,11 +1,13 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """The estimator in whole runs: real processes, real DDS, and what the plant knows."""
-from hst_drive.rig import default_rig
+from hst_drive.effects import catalogue
+from hst_drive.rig import default_rig, default_rig_file
 import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import get_typestore, Stores
+import yaml
 
 from .processes import messages, node, run, wait_for
 
@@ -28,6 +30,11 @@ def bag(tmp_path_factory):
 
 @pytest.fixture(scope='module')
 def found(bag):
+    """Return what the bag holds."""
+    return read(bag)
+
+
+def read(bag):
     """Return by topic the rows of time (s of the run) and numbers; words and verdicts."""
     store, rows, words, verdicts = get_typestore(Stores.ROS2_JAZZY), {}, [], []
     with Reader(bag) as reader:
@@ -169,6 +176,34 @@ def test_the_verdict_is_for_machines(found, bag):
     # It came at once and stays as it is: no trend.
     place = names.index('motor_leakage.rate')
     assert low[place] < 0.0 < high[place] and low[place] < rates[place] < high[place]
+
+
+def test_with_a_machines_own_file_what_came_since_is_told(tmp_path):
+    """A leak that was there from the start of the log, of half its typical size."""
+    sheet = yaml.safe_load(default_rig_file().read_text())
+    tolerances = sheet['tolerances_1_sigma_relative']
+    unit = tmp_path / 'unit.yaml'
+    unit.write_text(yaml.safe_dump({**sheet, 'commissioned': {
+        'sigma_relative': {key: 0.1 * value for key, value in tolerances.items()},
+        'correlation': np.eye(len(tolerances)).tolist(), 'day_to_day_share_of_tolerance': 0.1,
+        'conditions': {}}}))
+    leak = 0.5 * catalogue()['motor_leakage'].parameters[0].typical
+    for hidden in ([], ['--effect', f'motor_leakage.conductance={leak}']):
+        folder = tmp_path / f'bag_{len(hidden)}'
+        code, _, err = run('run', 'layered_ground', '--rig', str(unit), '-o', str(folder),
+                           '--duration', str(SECONDS), *hidden)
+        assert code == 0, err
+        _, words, verdicts = read(folder)
+        alarms = [status for _, status in words
+                  if status.name == '/drive/estimator: watch' and status.level == 1]
+        assert bool(alarms) == bool(hidden)
+        assert any(names for _, names, *_ in verdicts) == bool(hidden)
+    _, names, sizes, *_ = verdicts[-1]
+    assert names[0] == 'motor_leakage' and 'motor_leakage.rate' in names
+    assert 0.5 * leak < sizes[0] < 1.1 * leak
+    values = {value.key: value.value for value in alarms[-1].values}
+    assert values['effects'].startswith('motor_leakage (conductance about')
+    assert 'L/min/bar an hour' in values['trend']
 
 
 def test_residuals_say_which_balance_and_how_much(found):
