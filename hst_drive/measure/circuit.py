@@ -25,6 +25,7 @@ _SETTLES = 2.0      # s before the first row in which the actuator settles on it
 _CHANGES = 0.1      # s before and after what a balance hangs on that are not judged
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
+_SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -53,10 +54,23 @@ class CircuitReplay(PartReplay):
         super().__init__(run, model)
         if 'oil_temperature' in self._channels:
             self._ratio = model.viscosity_ratio(self._channels['oil_temperature'])
+        self.doubts = self._doubts(model)
 
     def place(self, name: str) -> Balance:
         """Return the balance of that name."""
         return self._by_name[name]
+
+    def _doubts(self, model: CircuitModel) -> dict[str, np.ndarray]:
+        """Return what a small lag more, which no sheet tells, of what is moved would do."""
+        known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
+        if moved in known:
+            return {}
+        values, found = self._evaluated(model, known)[moved], []
+        for late in (0.0, _SMALL * model.steps[1]):
+            self._channels = {**known, moved: np.interp(time - late, time, values)}
+            found.append(self.predict(model).signals)
+        self._channels = known
+        return {name: np.abs(values - found[1][name]) for name, values in found[0].items()}
 
     def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
         assert isinstance(model, CircuitModel)
