@@ -61,16 +61,19 @@ class CircuitReplay(PartReplay):
         return self._by_name[name]
 
     def _doubts(self, model: CircuitModel) -> dict[str, np.ndarray]:
-        """Return what a small lag more, which no sheet tells, of what is moved would do."""
+        """Return what another start and another small lag of pump or valve would do."""
         known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
         if moved in known:
             return {}
-        values, found = self._evaluated(model, known)[moved], []
-        for late in (0.0, _SMALL * model.steps[1]):
-            self._channels = {**known, moved: np.interp(time - late, time, values)}
+        settled, at_rest = (self._evaluated(model, known, before=before)[moved]
+                            for before in (_SETTLES, 1e-3 * _SETTLES))
+        late, found = np.interp(time - _SMALL * model.steps[1], time, settled), []
+        for values in (settled, late, at_rest):
+            self._channels = {**known, moved: values}
             found.append(self.predict(model).signals)
         self._channels = known
-        return {name: np.abs(values - found[1][name]) for name, values in found[0].items()}
+        return {name: np.hypot(values - found[1][name], values - found[2][name])
+                for name, values in found[0].items()}
 
     def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
         assert isinstance(model, CircuitModel)
@@ -151,7 +154,7 @@ class CircuitReplay(PartReplay):
         return true
 
     def _evaluated(self, model: PartModel, true: dict[str, np.ndarray], *,
-                   free: str = '') -> dict[str, np.ndarray]:
+                   free: str = '', before: float = _SETTLES) -> dict[str, np.ndarray]:
         """Return the quantities with all measured states in place but ``free``."""
         assert isinstance(model, CircuitModel)
         if self._ratio is not None:
@@ -161,7 +164,7 @@ class CircuitReplay(PartReplay):
         if 'motor_angle' in self.inputs:
             told['motor_angle'] = self.inputs['motor_angle']
         # A row before the first one, from which what is not told settles.
-        time = np.concatenate([[self.run.time[0] - _SETTLES], self.run.time])
+        time = np.concatenate([[self.run.time[0] - before], self.run.time])
         found = model.run(time, _earlier(true), _earlier(told))
         return {key: values[1:] for key, values in found.items()}
 
