@@ -14,7 +14,7 @@ class Column(NamedTuple):
     One signal of one log.
 
     ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
-    is below 1 where the signal moves so fast that the time stamps matter.
+    is below 1 where time stamps matter, since the signal moves fast, or no formula is sure.
     """
 
     log: int
@@ -53,7 +53,8 @@ def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
             valid, floor = replay.counted(name), floors[index][name]
             known = np.nan_to_num(replay.run[name], posinf=0.0, neginf=0.0)
             moving = np.gradient(gaussian_filter1d(known, 1.5), replay.run.time)
-            trust = 1.0 / np.sqrt(1.0 + (stamps * moving / floor)**2)
+            doubt = np.hypot(stamps * moving, replay.doubts.get(name, 0.0)) / floor
+            trust = 1.0 / np.sqrt(1.0 + doubt**2)
             found.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                 np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
     return found

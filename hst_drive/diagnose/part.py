@@ -103,13 +103,13 @@ class PartCampaign(Campaign):
     @staticmethod
     def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
         time = replay.run.time - replay.run.time[0]
-        block = (np.arange(len(time)) if replay.static
-                 else (time / min(3 * BLOCK, time[-1] / 12)).astype(int))
-        part = np.where(block % 3 == 1, -1, 1)
         if named:
-            part[:] = 1 if training else -1
-        if not replay.static:
-            part[time < min(SETTLE, 0.02 * time[-1])] = 0
+            return np.full(len(time), 1 if training else -1)
+        if replay.static:
+            return np.where(np.arange(len(time)) % 3 == 1, -1, 1)
+        length = min(3 * BLOCK, time[-1] / 12)
+        part = np.where((time / length).astype(int) % 3 == 1, -1, 1)
+        part[time < min(SETTLE, 0.02 * time[-1])] = 0
         return part
 
     def settled(self, errors: Sequence[np.ndarray]) -> Campaign:

@@ -25,6 +25,7 @@ _SETTLES = 2.0      # s before the first row in which the actuator settles on it
 _CHANGES = 0.1      # s before and after what a balance hangs on that are not judged
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
+_SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -53,10 +54,26 @@ class CircuitReplay(PartReplay):
         super().__init__(run, model)
         if 'oil_temperature' in self._channels:
             self._ratio = model.viscosity_ratio(self._channels['oil_temperature'])
+        self.doubts = self._doubts(model)
 
     def place(self, name: str) -> Balance:
         """Return the balance of that name."""
         return self._by_name[name]
+
+    def _doubts(self, model: CircuitModel) -> dict[str, np.ndarray]:
+        """Return what another start and another small lag of pump or valve would do."""
+        known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
+        if moved in known:
+            return {}
+        settled, at_rest = (self._evaluated(model, known, before=before)[moved]
+                            for before in (_SETTLES, 1e-3 * _SETTLES))
+        late, found = np.interp(time - _SMALL * model.steps[1], time, settled), []
+        for values in (settled, late, at_rest):
+            self._channels = {**known, moved: values}
+            found.append(self.predict(model).signals)
+        self._channels = known
+        return {name: np.hypot(values - found[1][name], values - found[2][name])
+                for name, values in found[0].items()}
 
     def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
         assert isinstance(model, CircuitModel)
@@ -137,7 +154,7 @@ class CircuitReplay(PartReplay):
         return true
 
     def _evaluated(self, model: PartModel, true: dict[str, np.ndarray], *,
-                   free: str = '') -> dict[str, np.ndarray]:
+                   free: str = '', before: float = _SETTLES) -> dict[str, np.ndarray]:
         """Return the quantities with all measured states in place but ``free``."""
         assert isinstance(model, CircuitModel)
         if self._ratio is not None:
@@ -147,7 +164,7 @@ class CircuitReplay(PartReplay):
         if 'motor_angle' in self.inputs:
             told['motor_angle'] = self.inputs['motor_angle']
         # A row before the first one, from which what is not told settles.
-        time = np.concatenate([[self.run.time[0] - _SETTLES], self.run.time])
+        time = np.concatenate([[self.run.time[0] - before], self.run.time])
         found = model.run(time, _earlier(true), _earlier(told))
         return {key: values[1:] for key, values in found.items()}
 

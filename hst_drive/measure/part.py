@@ -64,6 +64,8 @@ class PartReplay:
         How well time stamps and steps between samples are known, s.
     unsure : float
         How much less well the commands are.
+    doubts : dict of str to ndarray
+        How far no formula is known better, row by row, of signals of which that is known, SI.
 
     Raises
     ------
@@ -73,6 +75,7 @@ class PartReplay:
     """
 
     pressures: tuple[str, ...] = PRESSURES
+    doubts: dict[str, np.ndarray] = {}
 
     def __init__(self, run: Run, model: PartModel):
         self.balances = self._closed(run, model)

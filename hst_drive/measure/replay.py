@@ -81,6 +81,8 @@ class Replay:
 
     """
 
+    doubts: dict[str, np.ndarray] = {}      # see PartReplay
+
     def __init__(self, run: Run, drive: Drive):
         missing = [name for name in INPUTS if name not in run]
         if missing:

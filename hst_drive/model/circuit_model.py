@@ -44,11 +44,11 @@ class CircuitModel(PartModel):
         super().__init__(rig, effects, factors)
         self.circuit = circuit_of(rig)
         self._numbers = self.circuit.parameters(rig)
-        self._steps = self.circuit.steps(self._numbers)
-        if self._steps[0] < LEAST_STEP:
+        self.steps = self.circuit.steps(self._numbers)
+        if self.steps[0] < LEAST_STEP:
             raise InputError(
                 f"{rig.source}: 'circuit: {rig.circuit}' would need integration steps of "
-                f'{self._steps[0]:.1g} s, expected {LEAST_STEP:g} s or more; check the volume of '
+                f'{self.steps[0]:.1g} s, expected {LEAST_STEP:g} s or more; check the volume of '
                 'the line, the lags, the check valve and the override of the relief valve')
         self.code: Running = code_of(self.circuit, tuple(self._numbers), compiled)
         self._neutral = np.zeros(self.code.size)
@@ -136,8 +136,8 @@ class CircuitModel(PartModel):
         out = np.empty((n, len(circuit.quantities)))
         if max_step is None:
             fast = any(entry.unit == 'Pa' for entry in circuit.states if entry.name not in told)
-            max_step = min(self._steps[0], MAX_STEP) if fast else min(
-                self._steps[1], _TOLD_STEP)
+            max_step = min(self.steps[0], MAX_STEP) if fast else min(
+                self.steps[1], _TOLD_STEP)
         cells, layout = self._tables
         self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs, mask, record,
                       state, memory, values, switches, cells, layout.copy(), max_step,

@@ -208,7 +208,7 @@ def test_equal_lines_exchange_no_oil_and_pass_the_play():
     found = {name: CircuitModel(CLOSED, effects).run(time, {}, still) for name, effects in (
         ('none', {}), ('cross', {'cross_port_leakage': {}}), ('play', {'gear_backlash': {}}))}
     np.testing.assert_allclose(found['cross']['speed_by_a'], found['none']['speed_by_a'])
-    angle, band = 0.02, 100.0
+    angle, band = 0.02, 20.0
     swept, storage = 2 * 3 * 560 * CC_REV, 0.0025 / 1.3e9
     assert found['play']['a_storage'][0] * swept == pytest.approx(
         storage + swept**2 * angle / (2 * band), rel=1e-3)
