@@ -94,11 +94,13 @@ def likeliest(search: Search, best: Candidate,
     The tests have chosen ``best``, so that another one must outweigh that. Of what is alike the
     plainer one was taken (``plainer``).
     """
+    others = [tuple(sorted({*best.names} - {name} | {rival}))
+              for name, group in rivals.items() for rival in group
+              if rival not in catalogue()[name].alike]
+    if not others:
+        return best
     shares = dict(weigh(search, best).sets)
-    others = [names for name, group in rivals.items() for rival in group
-              if rival not in (*catalogue()[name].alike, UNIT_ALONE)
-              for names in [tuple(sorted({*best.names} - {name} | {rival}))]]
-    names = max(others, key=lambda names: shares.get(names, 0.0), default=best.names)
+    names = max(others, key=lambda entry: shares.get(entry, 0.0))
     if shares.get(names, 0.0) <= DECIDED * shares.get(best.names, 0.0):
         return best
     entry, = (entry for entry in search.tried() if entry.names == names)

@@ -546,7 +546,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     if on[SLOT_shaft_compliance]:
                         step = min(step, SHAFT_STEP * math.sqrt(
                             max(shaft_compliance * p[P_inertia], SHAFT_RIGID)))
-                    if on[SLOT_compliance] and abs(r1) * step > BEND_COMPLIANCE:
+                    if compliance != oil_compliance * (1.0 + oil_bend * x1) and (
+                            abs(r1) * step > BEND_COMPLIANCE):
                         # What gas adds to the oil's spring changes within a few bar.
                         step = max(BEND_COMPLIANCE / abs(r1), 0.1 * max_step)
                     if wave:

@@ -19,11 +19,10 @@ NAMES: tuple[str, ...] = (
     'pump_shaft_speed', 'max_displacement', 'displacement_lag', 'displacement_scale',
     'pump_leakage_scale', 'motor_displacement', 'inertia', 'motor_leakage_scale',
     'motor_efficiency_scale', 'pistons', 'bulk_modulus', 'compressibility_under_pressure',
-    'volume', 'oil_density',
-    'relief_set_pressure', 'relief_reference_pressure', 'relief_gain', 'gear_ratio',
-    'load_displacement', 'load_efficiency_scale', 'pprv_pressure_scale', 'pprv_lag',
-    'pprv_override', 'pprv_reference_flow', 'characterised_at', 'displacement_between_points',
-    'pprv_between_points',
+    'volume', 'oil_density', 'relief_set_pressure', 'relief_reference_pressure', 'relief_gain',
+    'gear_ratio', 'load_displacement', 'load_efficiency_scale', 'pprv_pressure_scale',
+    'pprv_lag', 'pprv_override', 'pprv_reference_flow', 'characterised_at',
+    'displacement_between_points', 'pprv_between_points',
 )
 SCALED: dict[str, str] = {
     'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',

@@ -1,7 +1,9 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Effects as the author of another simulator wrote them (bench/frozen): other forms and rigs."""
+"""Machines as authors of other simulators wrote them (bench/frozen, unseen): other forms, rigs."""
 from bench.frozen.make import make
+from bench.unseen.campaign import find
+from bench.unseen.make import write
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.rig import default_rig, load_rig
@@ -21,3 +23,31 @@ def test_it_is_named(tmp_path, index, name):
     assert found.verdict in ('missing_effect', 'ambiguous')
     entry, = found.effects
     assert name in (entry.id, *entry.indistinguishable_from)
+
+
+def unseen(seed, folder):
+    """Return rig, logs and the held-out log of a campaign of bench/unseen."""
+    write(find(seed), folder)
+    logs = sorted(path for path in folder.glob('*.csv') if path.name != 'holdout.csv')
+    return (load_rig(folder / 'rig.yaml'), [read_log(path) for path in logs],
+            [read_log(folder / 'holdout.csv')])
+
+
+@pytest.mark.needs_numba
+def test_oil_that_stiffens_and_straight_curves_are_the_unit(tmp_path):
+    """All machines there have oil whose bulk modulus is 1 + 0.08 times as large at 200 bar."""
+    found = diagnose(*unseen(5003, tmp_path))
+    assert found.verdict == 'none'
+    factors = {entry.quantity: entry for entry in found.calibration}
+    assert factors['line.compressibility_under_pressure'].factor == pytest.approx(
+        1 / 1.08, abs=0.02)
+    for name in ('pump.displacement_between_points', 'loading.pprv_between_points'):
+        assert factors[name].factor == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.needs_numba
+def test_the_likeliest_of_what_stands_is_named_first(tmp_path):
+    """A line's loss of three shapes fits a drag as well as the drag of one."""
+    found = diagnose(*unseen(5008, tmp_path))
+    effect, = found.effects
+    assert (effect.id, effect.indistinguishable_from) == ('hydrodynamic_drag', ('line_loss',))
