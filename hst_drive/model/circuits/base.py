@@ -11,6 +11,7 @@ they tell, and what the equations then say of other signals is compared with tho
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from typing import Callable, NamedTuple
 
 from hst_drive.errors import InputError
@@ -18,11 +19,16 @@ from hst_drive.rig import Curve, Rig, Surface
 
 
 class State(NamedTuple):
-    """A state: channel that tells it, SI unit, parameter with which a drive at rest starts."""
+    """
+    A state: channel that tells it, SI unit, parameter with which a drive at rest starts.
+
+    It does not fall below ``least``; there the equations let it rise only.
+    """
 
     name: str
     unit: str
     start: str = ''
+    least: float = -math.inf
 
 
 class Input(NamedTuple):
