@@ -18,8 +18,9 @@ def weigh(z, i, weights):
     """
     Write what a step takes of state ``i`` and of its last four ``N``.
 
-    In the step it decays by ``z``. The weights come from the integrals of ``exp(-z * (1 - s)) * s**j`` over the step: the one for
-    j = 3 by its series, the others by parts.
+    In the step it decays by ``z``. The weights come from the integrals of
+    ``exp(-z * (1 - s)) * s**j`` over the step: the one for j = 3 by its series, the others by
+    parts.
     """
     cube, term = 0.0, 0.25
     for m in range(5, 60):
