@@ -66,6 +66,11 @@ def simulation(runs: int) -> Iterator[Row]:
     base = timed(problem.baseline, runs * 3)
     yield Row('baseline, 100,001 rows', *base, f'{100 / base[0]:.0f} x real time',
               f'error {error:.1e} of range')
+    circuit = cases.Closed()
+    error_there = circuit.error()
+    closed = timed(circuit.simulate, runs * 3)
+    yield Row('closed circuit, 100,001 rows', *closed, f'{closed[0] / base[0]:.2f} x baseline',
+              f'error {error_there:.1e} of range')
     every = timed(problem.every_effect, runs * 3)
     yield Row(f'all {problem.count} effects', *every, f'{every[0] / base[0]:.2f} x baseline')
     for share in (0.25, 0.5):

@@ -20,7 +20,9 @@ from hst_drive.diagnose.part import campaign_of
 from hst_drive.effects import catalogue
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
-from hst_drive.rig import default_rig
+from hst_drive.model.circuit_model import CircuitModel
+from hst_drive.resources import share
+from hst_drive.rig import default_rig, load_rig
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -149,6 +151,29 @@ class Simulation:
             if reached <= error:
                 break
         return tolerance, reached, calls
+
+
+class Closed:
+    """100 s at 1 ms of the shipped closed circuit: stroke and load step every three seconds."""
+
+    def __init__(self) -> None:
+        random, self.time = np.random.default_rng(2), np.arange(100_001) / 1000
+        part = (self.time / 3.0).astype(int)
+        self.inputs = {'pump_command': random.uniform(3.0, 9.0, part.max() + 1)[part],
+                       'opposing_torque': random.uniform(2000.0, 7000.0, part.max() + 1)[part]}
+        self.model = CircuitModel(load_rig(share('config', 'rig', 'closed_rig.yaml')))
+
+    def simulate(self) -> dict[str, np.ndarray]:
+        """Simulate from rest."""
+        return self.model.run(self.time, self.inputs, {})
+
+    def error(self) -> float:
+        """Return the largest error over the states' ranges, against steps of 0.01 ms."""
+        found, exact = (self.model.run(self.time[:20_001], {
+            name: values[:20_001] for name, values in self.inputs.items()}, {}, max_step=step)
+            for step in (None, 1e-5))
+        return max(float(np.max(np.abs(found[name] - exact[name])) / np.ptp(exact[name]))
+                   for name in (entry.name for entry in self.model.circuit.states))
 
 
 def campaign(seconds: float, effects: dict, without: Sequence[str]) -> list[Run]:

@@ -62,8 +62,10 @@ def text_of(circuit: Circuit) -> str:
         """
     functions = (*(getattr(kernel_template, name) for name in _SHARED), *circuit.helpers,
                  circuit.hold, *_actuator(circuit), circuit.equations)
-    return '\n\n'.join(['import math', *map(inspect.getsource, functions),
-                        textwrap.dedent(wrappers), inspect.getsource(replay_text.run)])
+    sizes = f'STATES, HELD, QUANTITIES = {states}, {circuit.held}, {len(circuit.quantities)}'
+    return '\n\n'.join(['import math', sizes, *map(inspect.getsource, functions),
+                        textwrap.dedent(wrappers), inspect.getsource(replay_text.weigh),
+                        inspect.getsource(replay_text.run)])
 
 
 def _actuator(circuit: Circuit) -> tuple[Callable, ...]:
@@ -105,6 +107,6 @@ def _code(_: str, text: str, layout: tuple, helpers: tuple[str, ...], compiled: 
     read = {name for name, effect in effects.items() if effect.slot in READINGS}
     module = running(source, effects, compiled,
                      ('interpolate', 'interpolate2', 'smooth_sign', *helpers, 'hold',
-                      'hold_row', 'equations', 'evaluate'), ('find', 'played'), ('run',))
+                      'hold_row', 'equations', 'evaluate'), ('find', 'played', 'weigh'), ('run',))
     return Running(module.run, places, flags, slots, size, usable(source, effects) | read,
                    names, source)

@@ -110,16 +110,26 @@ class CircuitModel(PartModel):
 
         """
         circuit, n = self.circuit, len(time)
-        temperature = channels.get('oil_temperature', np.full(n, self.rig.characterised_at))
-        known = {'viscosity_ratio': None, **channels, 'oil_temperature': temperature}
+        known = {'oil_temperature': self.rig.characterised_at, **channels}
         if circuit.complete:
             known.update(circuit.complete(self.rig, {**channels, **told}))
-        if known['viscosity_ratio'] is None:
-            known['viscosity_ratio'] = self.viscosity_ratio(temperature)
-        commands, inputs = (np.column_stack([
-            np.broadcast_to(known.get(entry.name, entry.default), n) for entry in entries])
-            .astype(float) for entries in (circuit.held_inputs, circuit.inputs))
-        record = np.zeros((n, len(circuit.states)))
+        if 'viscosity_ratio' not in known:
+            known['viscosity_ratio'] = self.viscosity_ratio(known['oil_temperature'])
+        work = np.zeros((25, max(len(circuit.states), circuit.held, len(circuit.inputs),
+                                 len(circuit.quantities))))
+        work[-1, :len(circuit.states)] = [entry.least for entry in circuit.states]
+        columns, varied = [], []
+        for index, entry in enumerate(circuit.inputs):
+            value = known.get(entry.name, entry.default)
+            if np.ndim(value):
+                columns.append(value)
+                varied.append(index)
+            else:
+                work[0, index] = value
+        inputs = np.column_stack(columns).astype(float) if columns else np.empty((n, 0))
+        commands = np.column_stack([np.broadcast_to(known.get(entry.name, entry.default), n)
+                                    for entry in circuit.held_inputs]).astype(float)
+        record = np.empty((n, len(circuit.states)))
         mask = np.zeros(len(circuit.states), dtype=np.int8)
         values, switches = self._vectors()
         for index, entry in enumerate(circuit.states):
@@ -131,17 +141,14 @@ class CircuitModel(PartModel):
             state = self.at_rest()
         if memory is None:
             memory = np.full(circuit.memory, math.nan)
-        room = max(len(circuit.states), circuit.held, len(circuit.inputs),
-                   len(circuit.quantities))
         out = np.empty((n, len(circuit.quantities)))
         if max_step is None:
             fast = any(entry.unit == 'Pa' for entry in circuit.states if entry.name not in told)
-            max_step = min(self.steps[0], MAX_STEP) if fast else min(
-                self.steps[1], _TOLD_STEP)
+            max_step = MAX_STEP if fast else min(self.steps[1], _TOLD_STEP)
         cells, layout = self._tables
-        self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs, mask, record,
-                      state, memory, values, switches, cells, layout.copy(), max_step,
-                      np.zeros((6, room)), out)
+        self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs,
+                      np.array(varied, dtype=np.int64), mask, record, state, memory,
+                      values, switches, cells, layout.copy(), max_step, work, out)
         found = {name: out[:, index] for index, name in enumerate(circuit.quantities)}
         return {**{entry.name: record[:, index] for index, entry in enumerate(circuit.states)},
                 **found}
@@ -151,11 +158,11 @@ class CircuitModel(PartModel):
         return np.array([self.parameter(entry.start) if entry.start else 0.0
                          for entry in self.circuit.states])
 
-    def viscosity_ratio(self, temperature: np.ndarray) -> np.ndarray:
+    def viscosity_ratio(self, temperature: np.ndarray | float) -> np.ndarray | float:
         """Return the oil's viscosity over that at which the tables were measured."""
         grade = self.rig.line.oil_grade if self.rig.line else ''
         if not grade:
-            return np.ones(len(temperature))
+            return np.ones(np.shape(temperature))
         return viscosity(temperature, grade) / _at_tables(self.rig.characterised_at, grade)
 
 

@@ -36,6 +36,13 @@ CONSTANTS = {
     'BEND_PRESSURE': 1e3,             # Pa and rad/s: differences of third order in one step, up
     'BEND_SPEED': 5e-4,               # to which Adams and Bashforth's method is trusted
     'BEND_COMPLIANCE': 1e5,           # Pa, of one step where the compliance goes with pressure
+    'STEP_ERROR': 2e-5,               # of a step in a circuit, over the largest that a state was
+    'BENT': 0.05,                     # what the bend of its stages counts
+    'STRICTER': 10.0,                 # with steps of Adams and Bashforth
+    'SHORTEST': 0.02,                 # of the usual step
+    'SIZE_SPAN': 0.02,                # s; a state is at least what it moves by in that
+    'NUDGE': 1e-6,                    # of the largest: what tells how fast a state decays
+    'MOST_DECAY': 8.0,                # in a step; what decays faster is taken for that
     'STIFF_SPEED': 0.8,               # rad/s
     'STIFF_PRESSURE_SHARE': 0.99,     # of the relief pressure
     'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance

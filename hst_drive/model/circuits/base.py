@@ -11,6 +11,7 @@ they tell, and what the equations then say of other signals is compared with tho
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 from typing import Callable, NamedTuple
 
 from hst_drive.errors import InputError
@@ -21,13 +22,15 @@ class State(NamedTuple):
     """
     A state: channel that tells it, SI unit, parameter with which a drive at rest starts.
 
-    Without an effect in the slot ``moved_by`` it stays there.
+    It does not fall below ``least``; there the equations let it rise only. Without an effect in
+    the slot ``moved_by`` it stays where it starts.
     """
 
     name: str
     unit: str
     start: str = ''
     moved_by: str = ''
+    least: float = -math.inf
 
 
 class Input(NamedTuple):

@@ -65,18 +65,21 @@ def hold(pump_command, interval, memory, p, on, cells, layout):
     return aim, max(pump_lag, 1e-4), rate, back_rate, pump_command
 
 
-def charged(low, high, flow, relief, override, check_valve):
-    """Return the charge pressure at which check valves and relief take the charge pump's flow."""
-    charge = (flow + low / check_valve + relief / override) / (1.0 / check_valve + 1.0 / override)
+def charged(low, high, flow, relief, spilled, drawn):
+    """
+    Return the charge pressure at which check valves and relief take the charge pump's flow.
+
+    ``spilled`` and ``drawn`` are the flows through relief and check valve per pressure.
+    """
+    charge = (flow + low * drawn + relief * spilled) / (drawn + spilled)
     if charge < relief:
-        charge = low + check_valve * flow           # the relief is shut
+        charge = low + flow / drawn                 # the relief is shut
     if charge < low:
-        charge = relief + override * flow           # both check valves are
+        charge = relief + flow / spilled            # both check valves are
     if charge > high:
-        charge = (flow + (low + high) / check_valve + relief / override) / (
-            2.0 / check_valve + 1.0 / override)
+        charge = (flow + (low + high) * drawn + relief * spilled) / (2.0 * drawn + spilled)
         if charge < relief:
-            charge = 0.5 * (low + high + check_valve * flow)
+            charge = 0.5 * (low + high + flow / drawn)
     return charge
 
 
@@ -112,7 +115,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
         motor_displacement = p[P_second_displacement]
     difference = line_a_pressure - line_b_pressure
-    a_high = difference >= 0.0
+    # Between equal lines the way that the pump is going to deliver decides.
+    a_high = difference > 0.0 or difference == 0.0 and aim >= 0.0
     side = 1.0 if a_high else -1.0
     low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
     # What leaks or is compressed does so at the pressure of its line, the rest at both lines'.
@@ -160,7 +164,9 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     # slot charge_wear
     made = p[P_charge_displacement] * pump_speed
     # A worn pump leaks in proportion to its pressure; with less than that it holds less.
-    charge_flow = made * (1.0 - charge_wear * min(max(low / relief, 0.0), 1.0))
+    charge_flow = made
+    if charge_wear > 0.0:
+        charge_flow *= 1.0 - charge_wear * min(max(low / relief, 0.0), 1.0)
     flushed = p[P_flushing] * max(low, 0.0) / p[P_charge_relief]
     lacking = flushed + side * (delivered - swept) + low_loss
     held = p[P_charge_override] * (made * (1.0 - charge_wear) - lacking)
@@ -169,13 +175,13 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         settled_charge = relief + held
     elif charge_wear > 0.0:
         settled_charge = max(settled_charge, relief * (1.0 - lacking / made) / charge_wear)
-    charge = charged(low, high, charge_flow, relief, p[P_charge_override], p[P_check_valve])
+    charge = charged(low, high, charge_flow, relief, p[P_charge_gain], p[P_check_gain])
     held_at = settled_charge
     if not math.isnan(charge_measured):
         charge = held_at = charge_measured
     low_side = max(held_at - p[P_check_valve] * lacking, CAVITATION_PRESSURE)
-    a_made_up = max(charge - line_a_pressure, 0.0) / p[P_check_valve]
-    b_made_up = max(charge - line_b_pressure, 0.0) / p[P_check_valve]
+    a_made_up = max(charge - line_a_pressure, 0.0) * p[P_check_gain]
+    b_made_up = max(charge - line_b_pressure, 0.0) * p[P_check_gain]
     a_made_up -= 0.0 if a_high else flushed
     b_made_up -= flushed if a_high else 0.0
     twisted, gear_angle = gear(
@@ -199,14 +205,14 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         1.0 / interpolate2(pressure, pump_speed, T_PUMP_EFFICIENCY, cells, layout) - 1.0)
     # Above the charge pressure no check valve lets oil into a line.
     far, above = difference / p[P_margin], (high - held_at) / p[P_margin]
+    per_turn = 1.0 / motor_displacement
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
-            (delivered - a_loss) / motor_displacement,
-            (delivered + b_loss) / motor_displacement, low_side, settled_charge, motor_torque,
-            pump_torque, pump_torque * pump_speed, drained + drained_low,
-            swept + (drained if a_high else drained_low), a_storage / motor_displacement,
-            -b_storage / motor_displacement, gear_angle, p[P_inertia], side * above,
+            (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
+            settled_charge, motor_torque, pump_torque, pump_torque * pump_speed, drained + drained_low,
+            swept + (drained if a_high else drained_low), a_storage * per_turn,
+            -b_storage * per_turn, gear_angle, p[P_inertia], side * above,
             -side * above, -far * fed, far * fed, fed)
 
 
@@ -222,6 +228,7 @@ def numbers(rig: Rig) -> dict[str, float]:
         'relief_gain': 1.0 / relief.override if relief else 0.0,
         'charge_relief': charge.relief_pressure, 'charge_override': charge.relief_override,
         'charge_displacement': charge.pump_displacement, 'check_valve': charge.check_valve,
+        'check_gain': 1.0 / charge.check_valve, 'charge_gain': 1.0 / charge.relief_override,
         'flushing': charge.flushing, 'margin': _MARGIN * set_pressure,
         'sign_scale': CONSTANTS['SIGN_WIDTH'] / (SIGN_SPEED * max(rig.full_speed, 1e-6)),
     }
@@ -258,9 +265,10 @@ CIRCUIT = Circuit(
             'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
             'charge.relief_pressure': 'charge_relief',
             'charge.pump_displacement': 'charge_displacement', **SCALED},
-    states=(State('pump_displacement', 'm^3/rad'), State('line_a_pressure', 'Pa', 'charge_relief'),
-            State('line_b_pressure', 'Pa', 'charge_relief'), State('motor_speed', 'rad/s'),
-            State('motor_angle', 'rad'),
+    states=(State('pump_displacement', 'm^3/rad'),
+            State('line_a_pressure', 'Pa', 'charge_relief', CONSTANTS['CAVITATION_PRESSURE']),
+            State('line_b_pressure', 'Pa', 'charge_relief', CONSTANTS['CAVITATION_PRESSURE']),
+            State('motor_speed', 'rad/s'), State('motor_angle', 'rad'),
             State('pump_speed', 'rad/s', 'pump_shaft_speed', moved_by='pump_speed')),
     held_inputs=(Input('pump_command'),),
     inputs=(Input('charge_pressure', math.nan), Input('oil_temperature'),

@@ -61,12 +61,13 @@ def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_t
     characterised_at = p[P_characterised_at]
     direction = smooth_sign(motor_speed * p[P_sign_scale])
     ideal, pressure = difference * motor_displacement, abs(difference)
-    efficiency = p[P_motor_efficiency_scale] * interpolate2(
-        pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
-    friction = 0.0
     if p[P_by_coefficients] > 0.0:
         efficiency = p[P_motor_efficiency_scale] * (1.0 - p[P_torque_share])
         friction = p[P_coulomb] + p[P_viscous] * abs(motor_speed)
+    else:
+        efficiency = p[P_motor_efficiency_scale] * interpolate2(
+            pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
+        friction = 0.0
     drive = ideal - ((1.0 - efficiency) * abs(ideal) + friction) * direction
     load_torque = abs(drive)
     whole_load_torque = 0.0
