@@ -186,8 +186,8 @@ class PartCampaign(Campaign):
         for column in self.columns:
             if column.signal == name:
                 step = self.replays[column.log].run.sample_time
-                count += len(column.rows(held_out)) * (1.0 if self.replays[column.log].static
-                                              else min(10 * step, 1.0))
+                count += len(column.rows(held_out)) * (
+                    1.0 if self.replays[column.log].static else min(10 * step, 1.0))
         return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
 
     def _moves(self, model: Model) -> bool:

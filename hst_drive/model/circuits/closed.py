@@ -18,6 +18,7 @@ from hst_drive.rig import Rig
 _MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
+_EMPTY = CONSTANTS['CAVITATION_PRESSURE']
 _SWEPT = 0.0015     # of the speed: displacements are the unit's own, their curves hardly differ
 _STROKE, _LINES = 'pump_command|pump_displacement', ('line_a_pressure', 'line_b_pressure')
 
@@ -210,7 +211,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
             (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
-            settled_charge, motor_torque, pump_torque, pump_torque * pump_speed, drained + drained_low,
+            settled_charge, motor_torque, pump_torque, pump_torque * pump_speed,
+            drained + drained_low,
             swept + (drained if a_high else drained_low), a_storage * per_turn,
             -b_storage * per_turn, gear_angle, p[P_inertia], side * above,
             -side * above, -far * fed, far * fed, fed)
@@ -266,8 +268,8 @@ CIRCUIT = Circuit(
             'charge.relief_pressure': 'charge_relief',
             'charge.pump_displacement': 'charge_displacement', **SCALED},
     states=(State('pump_displacement', 'm^3/rad'),
-            State('line_a_pressure', 'Pa', 'charge_relief', CONSTANTS['CAVITATION_PRESSURE']),
-            State('line_b_pressure', 'Pa', 'charge_relief', CONSTANTS['CAVITATION_PRESSURE']),
+            State('line_a_pressure', 'Pa', 'charge_relief', least=_EMPTY),
+            State('line_b_pressure', 'Pa', 'charge_relief', least=_EMPTY),
             State('motor_speed', 'rad/s'), State('motor_angle', 'rad'),
             State('pump_speed', 'rad/s', 'pump_shaft_speed', moved_by='pump_speed')),
     held_inputs=(Input('pump_command'),),
