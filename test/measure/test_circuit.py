@@ -132,7 +132,7 @@ def test_a_worn_edge_of_a_valve_is_named_alone(tmp_path):
     assert {entry.id for entry in found.effects} <= {'valve_dead_band', 'leakage_temperature'}
     size = found.effects[0].parameters['width']
     # What the catalogue has is the mean of both ways, the generator says it of one.
-    assert size.value == pytest.approx(0.8 * truth['si_parameters']['u_dead'], rel=0.1)
+    assert size.value == pytest.approx(0.8 * truth['si_parameters']['u_dead'], rel=0.12)
 
 
 def test_a_line_that_empties_holds_its_pressure_over_the_returning_edge(tmp_path):

@@ -15,7 +15,7 @@ from hst_drive.model.circuits.motor_text import (
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
-_MARGIN = 0.015     # of the relief pressure: lines nearer than that have no high side
+_MARGIN = 0.015     # of the relief pressure: so far above the charge pressure a line is high
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
 _EMPTY = CONSTANTS['CAVITATION_PRESSURE']
@@ -255,11 +255,10 @@ CIRCUIT = Circuit(
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
     helpers=(charged, capacity, gear, motor_leaks, shaft), numbers=numbers,
-    sections=('pump', 'motor', 'line', 'charge'), complete=complete,
+    sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
           'line.volume_m3', 'line.bulk_modulus_Pa'),
-    steps=steps,
     tables={'DISPLACEMENT': lambda rig: rig.pump.displacement,
             'PUMP_LEAKAGE': lambda rig: rig.pump.leakage,
             'PUMP_EFFICIENCY': lambda rig: rig.pump.mechanical_efficiency, **TABLES},
@@ -276,10 +275,10 @@ CIRCUIT = Circuit(
     inputs=(Input('charge_pressure', math.nan), Input('oil_temperature'),
             Input('viscosity_ratio', 1.0), Input('motor_torque', math.nan),
             Input('opposing_torque'), Input('motor_displacement_command')),
-    quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure',
-                'motor_torque', 'pump_torque', 'pump_power', 'case_drain_flow',
-                'motor_inlet_flow', 'a_storage', 'b_storage', 'gear_angle',
-                'inertia', 'a_high', 'b_high', 'a_held', 'b_held', 'fed'),
+    quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure', 'motor_torque',
+                'pump_torque', 'pump_power', 'case_drain_flow', 'motor_inlet_flow', 'a_storage',
+                'b_storage', 'gear_angle', 'inertia', 'a_high', 'b_high', 'a_held', 'b_held',
+                'fed'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'm^3/s', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
