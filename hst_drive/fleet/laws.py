@@ -32,8 +32,8 @@ def laws(places: np.ndarray) -> tuple[Law, ...]:
     if len(places) > 2:
         shapes[ACCELERATING] = [*_RATES]
     if len(places) > 3:
-        # Two dates at least before it and after it.
-        shapes[ONSET] = [*(0.5 * (places[1:-2] + places[2:-1]))]
+        # Two dates at least before it and after it; on a date or between two.
+        shapes[ONSET] = [*places[1:-2], *(0.5 * (places[1:-2] + places[2:-1]))]
     total = sum(_CHANCES[kind] for kind in shapes)
     return tuple(Law(kind, float(shape), _CHANCES[kind] / total / len(listed))
                  for kind, listed in shapes.items() for shape in listed)
