@@ -156,16 +156,18 @@ def run(time, commands, inputs, varied, told, record, state, memory, p, on, cell
                     turn, calm = turn + 1, calm + 1
                     a, b, c, d = turn & 3, turn - 1 & 3, turn - 2 & 3, turn - 3 & 3
                     for i in range(STATES):
-                        state[i], past[a, i] = here[i], slope[i]
+                        state[i] = here[i]
                         if by_history:
-                            past[a, i] += decay[i] * here[i]
+                            past[a, i] = slope[i] + decay[i] * here[i]
                         else:
-                            first[i], passed[a, i] = slope[i], here[i]
-                            size[i] = max(size[i], abs(here[i]), SIZE_SPAN * abs(slope[i]))
+                            first[i] = slope[i]
+                            if others:
+                                past[a, i], passed[a, i] = slope[i], here[i]
+                                size[i] = max(size[i], abs(here[i]), SIZE_SPAN * abs(slope[i]))
                     if goal == 0.0 or length < 0.999 * step:
                         even = 0
-                    elif even < 3 and others:
-                        even += 1
+                    elif even < 3:
+                        even += others
                     done = goal
                     known = others
                 if done == 0.0 and not again:
