@@ -16,8 +16,8 @@ import time
 from bench.watch import drilling
 from hst_drive.bag import read_log, write_csv, write_run
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.part import campaign_of
 from hst_drive.effects import catalogue
+from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.model.circuit_model import CircuitModel

@@ -16,15 +16,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 import time
 
-from hst_drive.measure.online.calibration import Calibration
-from hst_drive.measure.online.figures import Accuracy, FLOW, PRESSURE, SPEED, TORQUE
-from hst_drive.measure.online.naming import Signatures
-from hst_drive.measure.online.residuals import Balances, LEAD
-from hst_drive.measure.online.stream import Window
-from hst_drive.measure.online.watch import Watch
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.steady import operating_point
 from hst_drive.rig import default_rig, Rig
+from hst_drive.watch.calibration import Calibration
+from hst_drive.watch.figures import Accuracy, FLOW, PRESSURE, SPEED, TORQUE
+from hst_drive.watch.naming import Signatures
+from hst_drive.watch.residuals import Balances, LEAD
+from hst_drive.watch.stream import Window
+from hst_drive.watch.watch import Watch
 import numpy as np
 from scipy.signal import lfilter
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from hst_drive.api import given
-from hst_drive.diagnose.rehearse import INPUTS, rehearse
+from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, LoadingUnit, parse_scenario
 from hst_drive.measure.run import Run

@@ -16,7 +16,7 @@ from hst_drive.units import difference_from_si, for_people, from_si
 import numpy as np
 
 if TYPE_CHECKING:
-    from hst_drive.diagnose.design import Design as _Design
+    from hst_drive.design.design import Design as _Design
     from hst_drive.diagnose.evidence import Probability
     from hst_drive.diagnose.result import Diagnosis as _Diagnosis
     from hst_drive.diagnose.result import Value
@@ -337,7 +337,7 @@ class Design(Result):
 
     Attributes
     ----------
-    result : hst_drive.diagnose.design.Design
+    result : hst_drive.design.design.Design
         The advice and what to expect of it.
 
     """

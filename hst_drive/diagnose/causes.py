@@ -18,17 +18,17 @@ import copy
 import os
 from typing import Callable, Container, Iterator, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import at_limit, Fit, fit, score
 from hst_drive.diagnose.free_forms import (
     as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
-from hst_drive.diagnose.limits import limited, relieves
-from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import Unknown
-from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import at_limit, Fit, fit, score
+from hst_drive.identify.limits import limited, relieves
+from hst_drive.identify.part import PartCampaign
+from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 

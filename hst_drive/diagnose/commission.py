@@ -13,16 +13,16 @@ from copy import deepcopy
 from dataclasses import replace
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.conditions import conditions
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.fit import calibrated, Fit
-from hst_drive.diagnose.intervals import clusters, spread
-from hst_drive.diagnose.part import campaign_of
-from hst_drive.diagnose.unknowns import SIGMAS
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.errors import InputError
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.conditions import conditions
+from hst_drive.identify.fit import calibrated, Fit
+from hst_drive.identify.intervals import clusters, spread
+from hst_drive.identify.part import campaign_of
+from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig
 from hst_drive.rig.fingerprint import SECTION

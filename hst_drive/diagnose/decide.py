@@ -6,30 +6,30 @@ from __future__ import annotations
 import math
 from typing import Callable, Sequence
 
+from hst_drive.design.design import in_short
+from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
-from hst_drive.diagnose.alternatives import alternatives, BEATEN_SCORE, plainer
-from hst_drive.diagnose.campaign import Campaign, ELSEWHERE, Model
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.conditions import outside
-from hst_drive.diagnose.design import in_short
-from hst_drive.diagnose.fit import at_limit, Fit, fit, settled
-from hst_drive.diagnose.intervals import intervals
-from hst_drive.diagnose.judge import excess, judged
-from hst_drive.diagnose.limits import relieves
-from hst_drive.diagnose.observable import visibility
-from hst_drive.diagnose.pairs import pair_instead
-from hst_drive.diagnose.part import campaign_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
-from hst_drive.diagnose.rivals import told_apart
-from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
-from hst_drive.diagnose.standing import forms, standing, without
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.diagnose.weigh import after_tests, likeliest, nearly_certain
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
+from hst_drive.identify.alternatives import alternatives, BEATEN_SCORE, plainer
+from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
+from hst_drive.identify.conditions import outside
+from hst_drive.identify.fit import at_limit, Fit, fit, settled
+from hst_drive.identify.intervals import intervals
+from hst_drive.identify.judge import excess, judged
+from hst_drive.identify.limits import relieves
+from hst_drive.identify.observable import visibility
+from hst_drive.identify.pairs import pair_instead
+from hst_drive.identify.part import campaign_of
+from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.standing import forms, standing, without
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless

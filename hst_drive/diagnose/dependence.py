@@ -6,12 +6,12 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit
 from hst_drive.diagnose.isolate import Entry, WINDOW
-from hst_drive.diagnose.judge import PRACTICAL
 from hst_drive.effects.formula import (
     FLOW, PRESSURE, REFERENCE, SPEED, TEXTS, TORQUE, WARMTH, written)
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import Fit
+from hst_drive.identify.judge import PRACTICAL
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.drive import Drive, turned
 import numpy as np

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from typing import Callable, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.judge import (
-    contribution, excess, FORM_SHARE, IN_EVENTS, PRACTICAL, SIGNIFICANT)
 from hst_drive.diagnose.result import Unknown
-from hst_drive.diagnose.search import Candidate, Search
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import Fit, fit, score
+from hst_drive.identify.judge import (
+    contribution, excess, FORM_SHARE, IN_EVENTS, PRACTICAL, SIGNIFICANT)
+from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from typing import Container, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.fit import Fit
-from hst_drive.diagnose.judge import AT_NOISE
-from hst_drive.diagnose.part import PartCampaign
 from hst_drive.errors import InputError
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import Fit
+from hst_drive.identify.judge import AT_NOISE
+from hst_drive.identify.part import PartCampaign
 from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay

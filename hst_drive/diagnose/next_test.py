@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from hst_drive.diagnose.design import Design, design
-from hst_drive.diagnose.rivals import by_name, matched, of_diagnosis, widened
-from hst_drive.diagnose.trials import limits, LONGEST
+from hst_drive.design.design import Design, design
+from hst_drive.design.rivals import by_name, matched, of_diagnosis, widened
+from hst_drive.design.trials import limits, LONGEST
 from hst_drive.errors import InputError
 from hst_drive.rig import Rig
 

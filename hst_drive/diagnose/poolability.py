@@ -10,11 +10,11 @@ is explained, but not all by one unit, they may be of several drives.
 """
 from __future__ import annotations
 
-from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.causes import misreadings
-from hst_drive.diagnose.fit import calibrated, Fit, fit
 from hst_drive.diagnose.free_forms import faint, PATIENT
-from hst_drive.diagnose.judge import parts, unexplained
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import calibrated, Fit, fit
+from hst_drive.identify.judge import parts, unexplained
 
 _FEWEST = 3     # recordings: of two nobody could tell which is odd
 

@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign, Model
 from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, Samples, samples, STATIC)
-from hst_drive.diagnose.fit import Fit, fit, score
-from hst_drive.diagnose.intervals import intervals
 from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
-from hst_drive.diagnose.judge import gain, judged, parts, PRACTICAL, unexplained
-from hst_drive.diagnose.part import PartCampaign
-from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import Fit, fit, score
+from hst_drive.identify.intervals import intervals
+from hst_drive.identify.judge import gain, judged, parts, PRACTICAL, unexplained
+from hst_drive.identify.part import PartCampaign
+from hst_drive.identify.phases import once_a_turn
 import numpy as np
 
 _AT_NOISE = 1.2     # of the score of a perfect model

@@ -13,19 +13,19 @@ from __future__ import annotations
 
 from typing import Callable, Container, Iterator, NamedTuple
 
-from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.fit import Fit, fit, score
 from hst_drive.diagnose.free_forms import (
     as_much, beaten, fitted_freer, Freer, much_left, REST, share_of, sure, told_as, Trial)
-from hst_drive.diagnose.part import PartCampaign
-from hst_drive.diagnose.phases import once_a_turn
 from hst_drive.diagnose.result import Unknown
-from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.standing import without
-from hst_drive.diagnose.timing import (
-    DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import SLOTS
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import Fit, fit, score
+from hst_drive.identify.part import PartCampaign
+from hst_drive.identify.phases import once_a_turn
+from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.standing import without
+from hst_drive.identify.timing import (
+    DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
 import numpy as np
 from scipy.optimize import minimize_scalar
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 
 from typing import Iterator, Mapping, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.evidence import (
     BIN, DECIDED, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal,
     weight)
-from hst_drive.diagnose.fit import at_its_end, Fit
-from hst_drive.diagnose.judge import IN_SAMPLE
-from hst_drive.diagnose.limits import limited
-from hst_drive.diagnose.part import PartCampaign
 from hst_drive.diagnose.result import UNIT_ALONE
-from hst_drive.diagnose.search import Candidate, Search
-from hst_drive.diagnose.standing import standing
-from hst_drive.diagnose.unknowns import Unknowns
 from hst_drive.effects import catalogue
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import at_its_end, Fit
+from hst_drive.identify.judge import IN_SAMPLE
+from hst_drive.identify.limits import limited
+from hst_drive.identify.part import PartCampaign
+from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.standing import standing
+from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 
 _CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing

@@ -13,12 +13,12 @@ from datetime import date
 import math
 from typing import NamedTuple, Sequence
 
-from hst_drive.diagnose.intervals import FORM
 from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
 from hst_drive.fleet.track import OIL
+from hst_drive.identify.intervals import FORM
 import numpy as np
 
 _FEWEST_MACHINES = 5

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
-from hst_drive.diagnose.campaign import Campaign, Model
-from hst_drive.diagnose.conditions import prior
-from hst_drive.diagnose.fit import fit
-from hst_drive.diagnose.intervals import FORM, spread
-from hst_drive.diagnose.part import campaign_of
 from hst_drive.effects import catalogue
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.conditions import prior
+from hst_drive.identify.fit import fit
+from hst_drive.identify.intervals import FORM, spread
+from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.units import from_si

@@ -7,15 +7,15 @@ import sys
 
 from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS, WITH_READING
 from hst_drive.losses.efficiency import Limits, Performance
-from hst_drive.measure.online.characteristic import Estimate, Resistances
-from hst_drive.measure.online.drive import Figures, Observer, Settings, Watched
-from hst_drive.measure.online.figures import Accuracy
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
 from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput, search_for
 from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
+from hst_drive.watch.characteristic import Estimate, Resistances
+from hst_drive.watch.drive import Figures, Observer, Settings, Watched
+from hst_drive.watch.figures import Accuracy
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
 _JOINTS = {'motor': 'joint', 'pump': 'pump_joint'}

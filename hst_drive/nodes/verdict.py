@@ -16,8 +16,8 @@ from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_prof
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
-    from hst_drive.measure.online.naming import Likely
-    from hst_drive.measure.online.watch import Verdict
+    from hst_drive.watch.naming import Likely
+    from hst_drive.watch.watch import Verdict
 
 __all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'VerdictOutput', 'WARN']
 UNKNOWN = 'unknown'

@@ -12,13 +12,13 @@ from threading import Lock
 from typing import Callable, Iterable, Sequence
 
 from hst_drive.diagnose.adopt import adopt
-from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.fit import fit
-from hst_drive.diagnose.part import campaign_of
-from hst_drive.diagnose.phases import in_step
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
+from hst_drive.identify.campaign import Model
+from hst_drive.identify.fit import fit
+from hst_drive.identify.part import campaign_of
+from hst_drive.identify.phases import in_step
 from hst_drive.measure.compare import compare, LogComparison, model_of
 from hst_drive.measure.run import Run
 from hst_drive.workbench.errors import pooled

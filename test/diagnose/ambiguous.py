@@ -11,11 +11,11 @@ from test.truth.sensors import STANDARD
 from typing import NamedTuple
 
 from hst_drive.bag import read_log
+from hst_drive.design.design import design
+from hst_drive.design.rivals import matched, of_diagnosis, widened
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.design import design
 from hst_drive.diagnose.document import as_json
 from hst_drive.diagnose.result import Diagnosis
-from hst_drive.diagnose.rivals import matched, of_diagnosis, widened
 from hst_drive.effects import catalogue
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario

@@ -4,12 +4,12 @@
 import sys
 from types import SimpleNamespace
 
-from hst_drive.diagnose.campaign import Model
 from hst_drive.diagnose.commission import commission, DAY_TO_DAY
-from hst_drive.diagnose.conditions import prior
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.fit import fit
 from hst_drive.errors import InputError
+from hst_drive.identify.campaign import Model
+from hst_drive.identify.conditions import prior
+from hst_drive.identify.fit import fit
 from hst_drive.report.diagnosis import text
 from hst_drive.rig import parse_rig
 import numpy as np

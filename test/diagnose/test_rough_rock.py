@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rock that is rougher, and smoother in time, than a lag of one pole makes it."""
 from bench.campaigns import as_runs
-from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.search import Search
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.search import Search
 import numpy as np
 import pytest
 from scipy.signal import lfilter

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the load lacks is seen in slow rows, too: its reading is compared, not replayed."""
 from bench.campaigns import as_runs
-from hst_drive.diagnose.campaign import Campaign
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.fit import calibrated
-from hst_drive.diagnose.judge import unexplained
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import calibrated
+from hst_drive.identify.judge import unexplained
 import pytest
 
 from ..truth import make_campaign

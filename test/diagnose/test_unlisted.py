@@ -4,10 +4,10 @@
 import re
 
 from bench.campaigns import as_runs
-from hst_drive.diagnose.campaign import Campaign
-from hst_drive.diagnose.search import Search
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.effects.formula import FLOW
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.search import Search
 import pytest
 
 from ..truth import make_campaign

@@ -4,8 +4,8 @@
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
-from hst_drive.measure.online.naming import Likely
-from hst_drive.measure.online.watch import Verdict
+from hst_drive.watch.naming import Likely
+from hst_drive.watch.watch import Verdict
 import pytest
 
 verdict = pytest.importorskip('hst_drive.nodes.verdict')

@@ -1,0 +1,221 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""The explanations that a test has to tell apart, from a diagnosis or by name."""
+from __future__ import annotations
+
+from difflib import get_close_matches
+import math
+from typing import Iterable, NamedTuple, Sequence
+
+from hst_drive.design.rehearse import rehearse
+from hst_drive.design.separation import (
+    CLEAR, driver, recorded, Rehearsal, within_limits)
+from hst_drive.design.trials import plain_drilling, scenario
+from hst_drive.diagnose.result import require_schema, UNIT_ALONE
+from hst_drive.effects import catalogue
+from hst_drive.errors import InputError
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import fit
+from hst_drive.load.loading_unit import LoadingUnit
+from hst_drive.load.scenario import parse_scenario
+from hst_drive.rig import Rig
+
+_TWINS = 2
+_MOST, _WIDEST = 7, 8     # explanations that a diagnosis left, and with their twins
+_STANDS_IN = 0.5          # of what the lead explains: less is no explanation of the same logs
+
+
+class Rivals(NamedTuple):
+    """
+    Explanations of the same logs.
+
+    ``models`` holds the sizes where they are known; ``channels`` the recorded signals; ``asked``
+    whether the user named them.
+    """
+
+    names: tuple[tuple[str, ...], ...]
+    models: tuple[Model | None, ...]
+    channels: tuple[str, ...]
+    asked: bool = False
+
+
+def by_name(names: Sequence[str], channels: Iterable[str] = (),
+            beside: Model | None = None) -> Rivals:
+    """
+    Return single effects as rivals.
+
+    Parameters
+    ----------
+    names : sequence of str
+        At least two effects.
+    channels : sequence of str
+        Recorded signals.
+    beside : Model, optional
+        What else the drive has; its sizes are kept.
+
+    Raises
+    ------
+    InputError
+        If an effect is not known, or there are fewer than two.
+
+    """
+    for name in names:
+        if name not in catalogue():
+            near = get_close_matches(name, catalogue(), n=1)
+            hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+            raise InputError(f"effects: unknown effect '{name}'; {hint}")
+    names = tuple(dict.fromkeys(names))
+    if len(names) < 2:
+        raise InputError('effects: expected at least two effects to tell apart, with commas '
+                         'between them')
+    beside = beside or Model()
+    others = tuple(name for name in beside.effects if name not in names)
+    models = [beside if name in beside.effects else None for name in names]
+    return Rivals(tuple((*others, name) for name in names), tuple(models), tuple(channels), True)
+
+
+def of_diagnosis(diagnosis: dict, source: str,
+                 wanted: Sequence[str] | None = None) -> Rivals | None:
+    """
+    Return the rivals that a diagnosis left, None if it left none.
+
+    Parameters
+    ----------
+    diagnosis : dict
+        What ``diagnose --json`` wrote.
+    source : str
+        Its file, for messages.
+    wanted : sequence of str, optional
+        Tell these effects apart instead.
+
+    Raises
+    ------
+    InputError
+        If this is no diagnosis, or an effect is not known.
+
+    """
+    require_schema(diagnosis, source)
+    try:
+        channels = tuple(diagnosis['errors']['before'])
+        factors = {entry['quantity']: math.log(entry['factor'])
+                   for entry in diagnosis.get('calibration', ())}
+        effects = {entry['id']: {key: float(value['value'])
+                                 for key, value in entry['parameters'].items()}
+                   for entry in diagnosis['effects']}
+        groups = {entry['id']: tuple(name for name in entry.get('indistinguishable_from', ())
+                                     if name != UNIT_ALONE)
+                  for entry in diagnosis['effects']}
+        fitted = [Model(dict(entry), factors)
+                  for entry in (diagnosis.get('next_test') or {}).get('models', ())]
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise InputError(f"{source}: has no readable 'effects' and 'errors'; write the diagnosis "
+                         'again') from None
+    strange = [name for name in (*effects, *(entry for group in groups.values()
+                                             for entry in group)) if name not in catalogue()]
+    if strange:
+        raise InputError(f"{source}: effect '{strange[0]}' is not in the catalogue; see "
+                         "'hst-drive effects'")
+    best = Model(effects, factors)
+    if wanted:
+        return by_name(wanted, channels, best)
+    sets = [tuple(effects)]
+    for name, group in groups.items():
+        sets += [tuple(entry for entry in effects if entry != name) + (rival,) for rival in group]
+    if len(sets) < 2:
+        return None
+    known = {frozenset(model.effects): model for model in (*fitted, best)}
+    sets = sets[:_MOST]
+    return Rivals(tuple(sets), tuple(known.get(frozenset(entry)) for entry in sets), channels)
+
+
+def told_apart(models: Sequence[Model]) -> tuple[str, ...]:
+    """Return the effects that not all explanations share."""
+    shared = set.intersection(*(set(model.effects) for model in models))
+    return tuple(dict.fromkeys(name for model in models for name in model.effects
+                               if name not in shared))
+
+
+def matched(rig: Rig, rivals: Rivals) -> list[Model]:
+    """
+    Return the rivals with sizes that look alike on a plain drilling log.
+
+    The first whose sizes are known, else the first at its typical size, makes the log that the
+    others are fitted to.
+    """
+    lead = next((model for model in rivals.models if model is not None), None) or Model(
+        {name: catalogue()[name].typical for name in rivals.names[0]})
+    lead = Model(lead.effects, within_limits(lead.factors, rig.scatter))
+    place, models = None, []
+    for names, model in zip(rivals.names, rivals.models):
+        if model is None and tuple(names) == tuple(lead.effects):
+            model = lead
+        if model is None:
+            place = place or _Place(rig, lead, rivals.channels)
+            # One that could not take the other's place at all keeps its typical size.
+            model = place.taken(names) or Model(place.start(names).effects)
+        models.append(Model(model.effects, lead.factors))
+    return models
+
+
+class _Place:
+    """What an explanation does on a plain drilling log, for others to take its place there."""
+
+    def __init__(self, rig: Rig, lead: Model, channels: Iterable[str]):
+        self.lead, self.campaign = lead, _drilling(rig, lead, channels)
+        self.explained = self._cost(lead)
+
+    def start(self, names: Sequence[str]) -> Model:
+        """Return a model with these effects, those of the lead with its sizes."""
+        return Model({name: self.lead.effects.get(name, catalogue()[name].typical)
+                      for name in names}, self.lead.factors)
+
+    def taken(self, names: Sequence[str]) -> Model | None:
+        """Return the sizes at which effects do the same, None if they cannot."""
+        shared = {name: values for name, values in self.lead.effects.items() if name in names}
+        bare = self._cost(Model(shared, self.lead.factors))
+        found = fit(self.campaign, self.start(names), iterations=3)
+        enough = bare - found.cost >= _STANDS_IN * (bare - self.explained) > 0
+        return found.model if enough else None
+
+    def _cost(self, model: Model) -> float:
+        return fit(self.campaign, model, iterations=3, kept=_sizes(model)).cost
+
+
+def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[Model]:
+    """
+    Return the rivals and the effects nearest to the first on a plain drilling log.
+
+    No machine follows one formula exactly, so that what beat a near twin of the effect found by
+    a hair may be its form. A test should separate the twin as well.
+    """
+    models = list(models)
+    shared = set.intersection(*(set(model.effects) for model in models))
+    tried = {name for model in models for name in model.effects}
+    room = min(_WIDEST - len(models), _TWINS)
+    if room <= 0 or len(models[0].effects) != len(shared) + 1:
+        return models
+    kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
+    others = [Model({**kept, name: catalogue()[name].typical}, models[0].factors)
+              for name in catalogue() if name not in tried and name not in rig.effects]
+    play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
+    rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
+    found = sorted((rehearsal.pair(0, place, channels).significance, place)
+                   for place in range(1, len(others) + 1))
+    near = [tuple(others[place - 1].effects) for sigma, place in found[:2 * _TWINS]
+            if sigma < CLEAR]
+    place = _Place(rig, models[0], channels)
+    # What fits as well without being there is no twin: no test could tell it from nothing.
+    twins = [Model(taken.effects, models[0].factors)
+             for taken in map(place.taken, near) if taken]
+    return models + twins[:room]
+
+
+def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
+    content = scenario(plain_drilling(60.0), rig, False)
+    played = rehearse(driver(rig, model), parse_scenario(
+        content, LoadingUnit.of(rig.loading)), 0)
+    return Campaign(rig, [recorded(played, channels)])
+
+
+def _sizes(model: Model) -> list[tuple[str, str]]:
+    return [(name, key) for name, values in model.effects.items() for key in values]

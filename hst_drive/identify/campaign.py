@@ -1,0 +1,366 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Several recordings of one drive as one fitting problem.
+
+A ``Model`` is the set of effects that are on, with their parameters, and the factors by which
+this unit differs from its datasheet. A ``Campaign`` turns a model into normalised errors: one
+column per signal and log, model minus measurement over the floor that a perfect model would
+show.
+"""
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Callable, Sequence
+
+from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects.base import OF_OTHER_CIRCUITS
+from hst_drive.identify.columns import Column, columns
+from hst_drive.identify.conditions import prior
+from hst_drive.measure.floor import replay_floor
+from hst_drive.measure.judged import judged
+from hst_drive.measure.oscillation import means_where, shaking
+from hst_drive.measure.replay import Replay
+from hst_drive.measure.run import Run
+from hst_drive.model import Drive
+from hst_drive.model.parameters import INDEX, SCALED
+from hst_drive.rig import Rig
+import numpy as np
+
+MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
+BLOCK = 2.0             # s; errors further apart than this count as independent
+EVENTS = 0.07           # share of the blocks that single events may spoil
+_SLOW_EVENTS = 0.35     # the same where rows miss what the controller does about them
+SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
+FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
+_SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
+_SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
+_HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
+ELSEWHERE = 'acts in closed circuits or valve circuits only'
+
+
+@dataclass(frozen=True)
+class Model:
+    """
+    Effects that are on and how this unit is off its datasheet.
+
+    Attributes
+    ----------
+    effects : dict of str to dict of str to float
+        Id to parameters, SI.
+    factors : dict of str to float
+        Natural logarithm of the factor on each quantity of ``rig.tolerances``.
+
+    """
+
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    factors: dict[str, float] = field(default_factory=dict)
+
+    def with_effect(self, name: str, values: dict[str, float]) -> Model:
+        """Return a model with one effect more, or with other parameters for it."""
+        return replace(self, effects={**self.effects, name: dict(values)})
+
+    def without(self, name: str) -> Model:
+        """Return a model with one effect less."""
+        return replace(self, effects={key: value for key, value in self.effects.items()
+                                      if key != name})
+
+
+class Campaign:
+    """
+    Recordings to fit on and recordings to judge on.
+
+    Parameters
+    ----------
+    rig : Rig
+        Baseline, effects that it has adopted included. Its unit's factors are as independent as
+        the make's tolerances are, or tied by what commissioning told (``ties``).
+    runs, holdout : sequence of Run
+        Without ``holdout`` a third of each log's time is held out.
+
+    """
+
+    block, finest = BLOCK, FINEST
+    events = EVENTS
+    searched: tuple[str, ...] = ('always',)
+    advice = ''     # what to record next; empty: a test can be designed
+
+    def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        self.rig = rig
+        self.adopted = rig.effects
+        self.drive = self._model()
+        self.tolerances, self.ties = prior(rig, (*runs, *holdout))
+        self.replays = [self._replay(run.slower(self.finest)) for run in (*runs, *holdout)]
+        self.usable = [self._usable(replay) for replay in self.replays]
+        self.judge = self.drive
+        self.floors = self._floors()
+        self._judging: dict[str, Campaign] = {}     # by model
+        self.signals = tuple(dict.fromkeys(
+            name for replay in self.replays for name in replay.signals))
+        self._weights = [
+            np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
+            for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
+        self._shaking = [self._shakes(replay) for replay in self.replays]
+        self.columns = columns(self.replays, self.floors, self._weights)
+
+    def _model(self):
+        return Drive(self.rig, max_step=MAX_STEP)
+
+    def _replay(self, run: Run):
+        return Replay(run, self.drive)
+
+    @staticmethod
+    def _usable(replay) -> np.ndarray:
+        return judged(replay.run).samples
+
+    @staticmethod
+    def _shakes(replay) -> np.ndarray:
+        return shaking(replay.run)
+
+    def _floors(self) -> list[dict[str, float]]:
+        return [replay_floor(replay, self.judge, count=usable)
+                for replay, usable in zip(self.replays, self.usable)]
+
+    def candidates(self) -> list[str]:
+        """Return the effects that these logs may be searched for."""
+        return [name for name, effect in catalogue().items()
+                if name in self.adopted or effect.searched in self.searched]
+
+    def doubles(self, name: str) -> list[str]:
+        """Return effects at the same place that are not searched: others can take their form."""
+        return [other for other, effect in catalogue().items()
+                if other not in self.rig.effects
+                and effect.slot == catalogue()[name].slot
+                and effect.searched not in ('never', *self.searched)]
+
+    def out_of_reach(self, name: str) -> str:
+        """Say why the channels cannot show an effect; empty if they can."""
+        if catalogue()[name].slot in OF_OTHER_CIRCUITS:
+            return ELSEWHERE
+        channels = catalogue()[name].shows_in
+        if channels and not set(self.signals) & set(channels):
+            return f'needs one of the channels {", ".join(channels)}'
+        return ''
+
+    def parameter(self, name: str, key: str) -> Parameter:
+        """Return a parameter of an effect, with bounds that are plausible on this machine."""
+        return catalogue(everything=True)[name].parameter(key)
+
+    def typical(self, name: str) -> dict[str, float]:
+        """Return parameters of an effect to start from."""
+        entries = [self.parameter(name, entry.name)
+                   for entry in catalogue(everything=True)[name].parameters]
+        if name not in self.adopted:
+            return {entry.name: entry.typical for entry in entries}
+        now, size = self.off(name), entries[0]
+        more = now[size.name] + size.typical - size.neutral
+        return {**now, size.name: more if size.low <= more <= size.high
+                else now[size.name] - (size.typical - size.neutral) / 2}
+
+    def off(self, name: str) -> dict[str, float]:
+        """Return an effect's parameters as the model has them without it: adopted, or neutral."""
+        return {**catalogue(everything=True)[name].neutral, **self.adopted.get(name, {})}
+
+    def fits(self, name: str, key: str) -> bool:
+        """
+        Say whether a parameter of an effect is fitted rather than chosen.
+
+        Of an adopted effect its size is: it grows or shrinks, its form is known.
+        """
+        parameter = catalogue(everything=True)[name].parameter(key)
+        if name in self.adopted and key != catalogue(everything=True)[name].parameters[0].name:
+            return False
+        return not parameter.fixed and (parameter.whole_drive
+                                        or parameter.recorded_in(self.signals))
+
+    @staticmethod
+    def alike(column: Column, chosen: np.ndarray, moved: np.ndarray, more: np.ndarray) -> float:
+        """
+        Return which share of what an effect does (``more``) others could do in another form.
+
+        What they do (``moved``) shapes a replay long after: here any of it.
+        """
+        return 1.0
+
+    def scatter(self, name: str, held_out: bool | None = True) -> float:
+        """
+        Return how far the squared noise ratio of a perfect model may be off by chance.
+
+        Two standard errors. Only the load's roughness counts: a minute of it holds few
+        independent samples, both where it is judged and where its size was estimated.
+        """
+        total, variance = 0.0, 0.0
+        for column in self.columns:
+            replay = self.replays[column.log]
+            if column.signal == name:
+                span = len(column.rows(held_out)) * replay.run.sample_time
+                total += span
+                if name == replay.torque:
+                    rough = replay.misread(self.judge)
+                    # Mean square of an Ornstein-Uhlenbeck process over a span.
+                    variance += span * 4 * (rough.std * column.scale)**4 * rough.time_constant
+        chance = 2.0 * float(np.sqrt(variance)) / total if total else 0.0
+        # What a slow record does not show of commands and load shakes the replay, too; of the load
+        # it is unsure only when the PPRV got its command.
+        return chance + (_SLOW_SCATTER if self.slow(name) else _SLOW_LOAD if self.slow() else 0.0)
+
+    def slow(self, name: str = '') -> bool:
+        """
+        Say whether rows come so seldom that what the controller did is not known well.
+
+        With the name of a signal: and whether it hangs on that. The load meets the measured speed.
+        """
+        return any(replay.stamps > _SLOW_STAMPS for replay in self.replays
+                   if name != replay.torque)
+
+    def _spoilt(self, name: str = '') -> float:
+        """Return the share of the blocks, of one signal or all, that single events may spoil."""
+        return _SLOW_EVENTS if self.slow(name) else self.events
+
+    @staticmethod
+    def _weigh(replay: Replay, training: bool, named: bool) -> np.ndarray:
+        """Return +1 for samples to fit on, -1 for samples to judge on, 0 for neither."""
+        time = replay.run.time - replay.run.time[0]
+        if named:
+            part = np.full(len(time), 1 if training else -1)
+        else:
+            block = (time / _HOLDOUT_BLOCK).astype(int)
+            part = np.where(block % 3 == 1, -1, 1)
+            if block[-1] < 2:
+                part = np.where(time < 0.67 * time[-1], 1, -1)
+        part[time < SETTLE] = 0
+        return part
+
+    def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
+        """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
+        part = copy.copy(self)
+        part._judging = {}
+        part._weights = [(np.abs(weight) if all_to_fit else weight) * wanted(log)
+                         for log, weight in enumerate(self._weights)]
+        part.columns = columns(self.replays, self.floors, part._weights)
+        return part
+
+    def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
+        """Return the campaign that sizes are taken from, for a model that leaves these errors."""
+        return self
+
+    def copied(self) -> Campaign:
+        """Return a campaign whose recordings can be changed while others use these."""
+        other = copy.copy(self)
+        other._judging = {}
+        other.replays = [copy.copy(replay) for replay in self.replays]
+        return other
+
+    def of_load(self) -> Campaign:
+        """Return a campaign of the torque alone, which asks for no simulation (``Replay``)."""
+        part = self.copied()
+        part.replays = [replay.of_load() for replay in self.replays]
+        part.columns = [column for column in self.columns
+                        if column.signal in part.replays[column.log].signals]
+        part.signals = tuple({column.signal for column in part.columns})
+        return part
+
+    def driver(self, model: Model) -> Drive:
+        """Return a drive with the model's effects and factors."""
+        drive = self.drive.copied()
+        for key, value in model.factors.items():
+            drive.parameters[INDEX[SCALED[key]]] *= np.exp(value)
+        for name, values in model.effects.items():
+            drive.switch_on(name, values)
+        return drive
+
+    def judging(self, model: Model) -> Campaign:
+        """Return the campaign with the floors of a drive that is as this model says."""
+        key = repr(model)
+        if key not in self._judging:
+            own = self._judging[key] = copy.copy(self)
+            own.judge = self.driver(model)
+            own.floors = own._floors()
+            own.columns = columns(self.replays, own.floors, self._weights)
+        return self._judging[key]
+
+    def errors(self, model: Model, *, to_fit: bool = False) -> list[np.ndarray]:
+        """
+        Return the normalised errors of all samples, column by column (``columns``).
+
+        With ``to_fit`` logs that are only judged on are not replayed; their errors are zero.
+        """
+        drive = self.driver(model)
+        given = [None if to_fit and not (part > 0).any() else replay.predict(drive).signals
+                 for replay, part in zip(self.replays, self._weights)]
+        errors = []
+        for column in self.columns:
+            measured = self.replays[column.log].run[column.signal]
+            if given[column.log] is None:
+                errors.append(np.zeros(len(measured)))
+                continue
+            error = (given[column.log][column.signal] - measured) * column.scale
+            # A model that left all bounds must lose, not stop the search.
+            error = np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3)
+            errors.append(means_where(error, np.isfinite(measured), self._shaking[column.log],
+                                      self.replays[column.log].run.sample_time))
+        return errors
+
+    def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:
+        """Return the errors to fit on as one vector, weighted for their correlation."""
+        return np.concatenate([(error * column.trust)[column.fit] * self.thinning(column)
+                               for error, column in zip(errors, self.columns)])
+
+    def without_events(self, residual: np.ndarray) -> np.ndarray:
+        """Say which of the errors to fit on are not in the worst blocks (``EVENTS``)."""
+        block = np.concatenate([self._block[column.log][column.fit] for column in self.columns])
+        used, block = np.unique(block, return_inverse=True)
+        power = np.bincount(block, residual**2)
+        worst = np.argsort(power)[len(used) - int(np.ceil(self._spoilt() * len(used))):]
+        return ~np.isin(block, worst)
+
+    @cached_property
+    def _block(self) -> list[np.ndarray]:
+        """The number of the block of time that each sample lies in, by log; all logs in turn."""
+        numbers, total = [], 0
+        for replay in self.replays:
+            since = replay.run.time - replay.run.time[0]
+            numbers.append((since / self.block).astype(int) + total)
+            total = int(numbers[-1][-1]) + 1
+        return numbers
+
+    def thinning(self, column: Column) -> float:
+        """Return the weight that makes samples closer than 0.1 s count as one."""
+        return float(np.sqrt(min(10 * self.replays[column.log].run.sample_time, 1.0)))
+
+    def ratios(self, errors: Sequence[np.ndarray], held_out: bool | None) -> dict[str, float]:
+        """
+        Return the noise ratio by signal, over all logs.
+
+        The worst blocks (a share of ``EVENTS``) are left out: an error confined to a few
+        seconds is an event, not physics that the model lacks.
+        """
+        ratios = {}
+        for name, squares in self.blocks(errors, held_out).items():
+            squares = np.sort(squares[np.isfinite(squares)])
+            if count := len(squares) - int(np.ceil(self._spoilt(name) * len(squares))):
+                ratios[name] = float(np.sqrt(squares[:count].mean()))
+        return ratios
+
+    def blocks(self, errors: Sequence[np.ndarray], held_out: bool | None = True) -> dict[
+            str, np.ndarray]:
+        """
+        Return the mean squared error of each block of ``block`` seconds, by signal.
+
+        Blocks of all logs in turn; NaN where a log lacks the signal, so that all signals and all
+        models have the same ones.
+        """
+        result, total = {}, int(self._block[-1][-1]) + 1
+        for name in self.signals:
+            sums, counts = np.zeros(total), np.zeros(total)
+            for error, column in zip(errors, self.columns):
+                if column.signal == name:
+                    chosen = column.rows(held_out)
+                    number = self._block[column.log][chosen]
+                    sums += np.bincount(number, (error * column.trust)[chosen]**2, total)
+                    counts += np.bincount(number, minlength=total)
+            result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+        used = np.any([np.isfinite(values) for values in result.values()], axis=0)
+        return {name: values[used] for name, values in result.items()}

@@ -1,0 +1,115 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+How sure the fitted sizes are: 95 % intervals that know that errors are correlated.
+
+The sandwich estimator over blocks (H. White, Econometrica 50, 1982; blocks of two seconds as
+clusters) replaces the naive covariance, which takes every sample as independent and is far too
+narrow. Added are a share of the effect's own size for its functional form, what the unit's tables
+do between their points, and what shapes that took their usual values leave open.
+"""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple
+
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import differences, Fit
+from hst_drive.identify.unknowns import Unknowns
+import numpy as np
+from scipy.stats import norm
+
+# Of the squared tolerance: a datasheet's tables say nothing of what lies between their points.
+_BETWEEN_POINTS = 1.0
+FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
+
+
+class Spread(NamedTuple):
+    """
+    What is known of a fit's unknowns: their vector and its covariance, each in its scale.
+
+    ``before`` is the vector without the effects: adopted sizes, else 0.
+    """
+
+    unknowns: Unknowns
+    vector: np.ndarray
+    covariance: np.ndarray
+    before: np.ndarray
+
+
+def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
+           between_points: float = _BETWEEN_POINTS) -> Spread:
+    """
+    Return how far the unknowns of a fit may be off, shapes that it kept among them.
+
+    ``forms`` are the shares of effects by which they may be off their formulas, if more than
+    usual, ``between_points`` is what the tables leave open, of the squared tolerance.
+    """
+    unknowns = Unknowns(campaign, fitted.model)
+    vector = unknowns.pack(fitted.model)
+    # An effect that the rig has adopted has its form from there: what changed may be off another.
+    before = unknowns.pack(Model({
+        name: campaign.off(name) if name in campaign.adopted else dict.fromkeys(values, 0.0)
+        for name, values in fitted.model.effects.items()}))
+    jacobian = _whole(campaign, fitted, unknowns, vector)
+    unit = np.arange(len(vector)) < unknowns.factors
+    above, below = unknowns.high - vector, unknowns.low - vector
+    # Anywhere within its bounds a parameter is as plausible: the mean square from where it is.
+    prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
+    inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
+    residual = campaign.training(fitted.errors)
+    meat = np.diag(np.where(unit, 1.0 + between_points, prior))
+    for rows in clusters(campaign):
+        push = jacobian[rows].T @ residual[rows]
+        meat += np.outer(push, push)
+    covariance = inverse @ meat @ inverse
+    for name in fitted.model.effects:
+        own = np.array([effect == name for effect, _ in unknowns.names]) * (vector - before)
+        covariance += max(FORM, forms.get(name, 0.0))**2 * np.outer(own, own)
+    # An effect's number that moves nothing is not known at all: ten times its range.
+    still = ~jacobian.any(axis=0) & ~unit
+    covariance[still, still] = (10.0 * (above - below)[still])**2
+    return Spread(unknowns, vector, covariance, before)
+
+
+def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
+           vector: np.ndarray) -> np.ndarray:
+    """Return the Jacobian with the columns of what the fit kept as it was."""
+    known = dict(zip(fitted.names, fitted.jacobian.T))
+    kept = [place for place, name in enumerate(unknowns.names) if name not in known]
+    added = differences(campaign, unknowns, vector, fitted.errors, kept,
+                        lambda moved: campaign.errors(unknowns.unpack(moved), to_fit=True))
+    known.update(zip((unknowns.names[place] for place in kept), added.T))
+    return np.column_stack([known[name] for name in unknowns.names])
+
+
+def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
+              level: float = 0.95) -> dict[tuple[str, str], tuple[float, float]]:
+    """
+    Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.
+
+    Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
+    see ``spread``.
+    """
+    unknowns, vector, covariance, _ = spread(campaign, fitted, forms)
+    values = unknowns.mix(vector)
+    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
+        unknowns.mix(unknowns.mix(covariance).T)))
+    # At a bound to the last digit: who reads it compares them.
+    low, high = np.maximum(values - width, unknowns.bounds[:, 0]), np.minimum(
+        values + width, unknowns.bounds[:, 1])
+    return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
+
+
+def clusters(campaign: Campaign) -> list[np.ndarray]:
+    """Return the rows of the training vector that belong to one block of one log."""
+    clusters: dict[tuple[int, int], list[np.ndarray]] = {}
+    start = 0
+    for column in campaign.columns:
+        time = campaign.replays[column.log].run.time
+        numbers = ((time[column.fit] - time[0]) / campaign.block).astype(int)
+        if len(numbers):
+            edges = np.flatnonzero(np.diff(numbers)) + 1
+            for part in np.split(np.arange(len(numbers)), edges):
+                clusters.setdefault((column.log, int(numbers[part[0]])), []).append(part + start)
+        start += len(column.fit)
+    return [np.concatenate(parts) for parts in clusters.values()]

@@ -1,0 +1,206 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Whether one model is better than another on data that neither was fitted to.
+
+Errors of a replay are correlated over many samples, so that statistics of independent samples
+find effects everywhere. Here a sample is a block of two seconds, models are compared block by
+block, and an improvement must be both significant and large enough to matter.
+"""
+from __future__ import annotations
+
+from typing import Mapping, NamedTuple, TYPE_CHECKING
+
+from hst_drive.identify.campaign import Campaign
+import numpy as np
+
+if TYPE_CHECKING:
+    from hst_drive.identify.fit import Fit
+
+PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
+IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
+IN_EVENTS = 0.5         # the same where it shows in a few blocks
+# A real machine never follows one formula exactly: this share of what an effect does to a
+# signal may remain as error without being taken for one more effect.
+FORM_SHARE = 0.10
+NEAR_NOISE = 2.0        # times that where nothing is unexplained: only chance and form are left
+AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
+CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
+CLEAN_FITTED = 1.3      # the same on data that was fitted
+_CLEAR = 0.5            # squared floors, by which a block's error clearly changes
+SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
+
+
+class Gain(NamedTuple):
+    """
+    What a model gains over another, by signal.
+
+    ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
+    errors over blocks; ``amount`` the fall itself, in squared floors; ``votes`` by how many
+    standard errors more of the blocks that clearly change get better than get worse. ``shown`` is
+    how sure it is that the errors hold what the better model moves: where that is little in most
+    blocks, squares fall by little more than their fall scatters.
+    """
+
+    share: dict[str, float]
+    sigma: dict[str, float]
+    amount: dict[str, float]
+    votes: dict[str, float]
+    shown: dict[str, float]
+
+
+def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray],
+         moved: Mapping[str, np.ndarray] = {}) -> Gain:
+    """Compare models by squares (``Campaign.blocks``): of errors, and of what ``moved`` there."""
+    share, sigma, amount, votes, shown = {}, {}, {}, {}, {}
+    for name, first in before.items():
+        valid = np.isfinite(first) & np.isfinite(after[name])
+        if valid.sum() < 3:
+            continue
+        difference = first[valid] - after[name][valid]
+        # A few blocks hold the transients: the clipped difference keeps them from deciding.
+        limit = 4 * np.median(np.abs(difference - np.median(difference))) * 1.48 + 1e-9
+        centre = np.median(difference)
+        clipped = np.clip(difference, centre - limit, centre + limit)
+        error = max(clipped.std(ddof=1) / np.sqrt(len(clipped)), 1e-9)
+        amount[name] = float(difference.mean())
+        share[name] = float(difference.mean() / max(first[valid].mean(), 1e-30))
+        sigma[name] = float(clipped.mean() / error)
+        clear = difference[np.abs(difference) > _CLEAR]
+        votes[name] = float(np.sign(clear).sum() / max(len(clear), 1)**0.5)
+        if name in moved:
+            power = moved[name][valid]
+            shown[name] = _shown(0.5 * (difference + power), power)
+    return Gain(share, sigma, amount, votes, shown)
+
+
+def _shown(product: np.ndarray, power: np.ndarray) -> float:
+    """
+    Return how sure the slope of errors on a move is, of their products and squares by block.
+
+    Blocks are clusters. Half of it, which is the t of the squares where all blocks are alike.
+    """
+    slope = product.sum() / max(power.sum(), 1e-30)
+    return float(0.5 * product.sum() / max(np.linalg.norm(product - slope * power), 1e-9))
+
+
+def excess(ratios: Mapping[str, float]) -> float:
+    """Return the squared error beyond the noise, over all signals, in squared floors."""
+    return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
+
+
+def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool | None = True,
+                 added: Fit | None = None) -> dict[str, float]:
+    """
+    Return what the effects of a model do to each signal, rms in floors.
+
+    With ``added``, a fit with more effects: as far as what those add could be another form of it.
+    """
+    total: dict[str, list[float]] = {}
+    for place, (first, second, column) in enumerate(zip(
+            base.errors, model.errors, campaign.columns)):
+        chosen = column.rows(held_out)
+        moved = ((first - second) * column.trust)[chosen]
+        entry = total.setdefault(column.signal, [0.0, 0.0])
+        alike = 1.0 if added is None else campaign.alike(
+            column, chosen, moved, ((second - added.errors[place]) * column.trust)[chosen])
+        entry[0] += alike * float(moved @ moved)
+        entry[1] += len(moved)
+    return {name: float(np.sqrt(power / count)) if count else 0.0
+            for name, (power, count) in total.items()}
+
+
+def unharmed(found: Gain) -> bool:
+    """Say whether no signal gets significantly worse."""
+    return all(value > -SIGNIFICANT or found.share[name] > -0.5 * PRACTICAL
+               for name, value in found.sigma.items())
+
+
+def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL,
+               form: float = FORM_SHARE) -> bool:
+    """
+    Say whether a gain is significant and large enough to name an effect for.
+
+    Parameters
+    ----------
+    found : Gain
+        What the additional effect gains.
+    done : mapping of str to float
+        ``contribution`` of the effects that are in already.
+    least : float
+        Share of the squared error that must go.
+    form : float
+        Share of what is in already by which that may be off its formula.
+
+    """
+    return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= least
+               and found.amount[name] >= (form * done.get(name, 0.0))**2
+               for name in found.share)
+
+
+def worthwhile_in_part(found: Gain, done: Mapping[str, float],
+                       form: float = FORM_SHARE) -> bool:
+    """
+    Say whether a gain on fitted logs is worth a name where held-out ones cannot show it.
+
+    A few great steps may be all that shows an effect: then blocks are counted, not measured.
+    """
+    return worthwhile(found, done, IN_SAMPLE, form) or (
+        unharmed(found)
+        and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS, form))
+
+
+def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:
+    """
+    Return a campaign and a fit in it with the floors of the fitted model itself.
+
+    Models are compared over the same floors. But a shaft that rings answers to the noise of what
+    was recorded otherwise than a stiff one, and rock is what the better model does not explain: a
+    model is right if it is down to its own floor.
+    """
+    own = campaign.judging(model.model)
+    return own, model._replace(errors=[
+        error * (mine.scale / common.scale)
+        for error, mine, common in zip(model.errors, own.columns, campaign.columns)])
+
+
+def parts(campaign: Campaign) -> tuple[bool | None, ...]:
+    """
+    Return what a model must explain: fitted and held-out rows, each by themselves; or all (None).
+
+    A machine's own numbers were learnt on other logs: then no row of these was fitted, and the
+    more rows are judged the less is left to chance.
+    """
+    return (None,) if campaign.rig.fingerprint else (False, True)
+
+
+def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
+                held_out: bool | None = True) -> dict[str, float]:
+    """
+    Return the signals whose noise ratio, over the model's own floors, is not explained.
+
+    Held-out logs may not visit where something is missing: then the logs that were fitted show
+    it. These hold what is hard to replay, so that more may remain on them. What a model may leave
+    beyond its floor does not grow with that: ringing hides no error.
+    """
+    own, fitted = judged(campaign, model)
+    clean = CLEAN_FITTED if held_out is False else CLEAN_RATIO
+    left = {}
+    for name, ratio in own.ratios(fitted.errors, held_out).items():
+        common = _squared_floors(campaign, own, name, held_out)
+        if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
+                       + common * (FORM_SHARE * done.get(name, 0.0))**2):
+            left[name] = ratio
+    return left
+
+
+def _squared_floors(campaign: Campaign, own: Campaign, name: str,
+                    held_out: bool | None) -> float:
+    """Return the squared floor of a signal over that of a model with floors of its own."""
+    total, count = 0.0, 0
+    for common, mine in zip(campaign.columns, own.columns):
+        if common.signal == name:
+            samples = len(common.rows(held_out))
+            total += samples * (mine.scale / common.scale)**2
+            count += samples
+    return total / max(count, 1)

@@ -1,0 +1,198 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Logs of a part of the drive as a fitting problem: every balance that they close is a signal."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects.base import DRILLING_SPEED
+from hst_drive.identify.campaign import (
+    BLOCK, Campaign, EVENTS, Model, SETTLE)
+from hst_drive.identify.columns import Column, columns
+from hst_drive.identify.observable import unread
+from hst_drive.measure.balances import is_part, TORQUES
+from hst_drive.measure.circuit import part_replay
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.run import Run
+from hst_drive.model.circuit_model import part_model
+from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
+import numpy as np
+
+_BLOCKS = 60            # a record is cut into so many at least
+_LONGEST = 0.5          # s; nothing is simulated, so errors have no long memory
+_ROWS = 3.0             # operating points in a block of a table
+_CIRCUIT_FINEST = 0.01  # s: every row is evaluated, and faster ones tell no more
+_FLOW = 3.3e-4          # m^3/s: usual at the drill drive
+_TORQUE = 150.0         # N.m: usual at the drill drive, for which the catalogue has its bounds
+
+
+def campaign_of(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()) -> Campaign:
+    """Return the campaign that fits the logs: one of a part if any log is of a part."""
+    part = any(is_part(run, rig) for run in (*runs, *holdout))
+    return (PartCampaign if part else Campaign)(rig, runs, holdout)
+
+
+class PartCampaign(Campaign):
+    """
+    Recordings of a part, to fit on and to judge on.
+
+    Parameters
+    ----------
+    rig : Rig
+        The part's numbers.
+    runs, holdout : sequence of Run
+        Without ``holdout`` a third of each log is held out.
+
+    """
+
+    searched = ('always', 'parts')
+    advice = ('record more operating points: a wider span of pressure, speed, stroke and oil '
+              'temperature than these logs have tells them apart')
+
+    def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        if rig.circuit != OPEN:
+            self.finest = _CIRCUIT_FINEST
+        super().__init__(rig, runs, holdout)
+        self._named = bool(holdout)
+        self._typical: dict[str, dict[str, float]] = {}
+        self._still = self.errors(Model())
+        self.tolerances = {key: value for key, value in self.tolerances.items()
+                           if self._moves(Model({}, {key: value}))}
+        tables = all(replay.static for replay in self.replays)
+        total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
+        self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
+        self._torque, self._speed = (
+            max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
+            for names, reference in (((*TORQUES, 'pump_torque'), _TORQUE),
+                                     (('motor_speed',), DRILLING_SPEED)))
+        # Of a part nobody knows which flow is usual: a bench may have any.
+        self._flow = 1.0 if rig.circuit == OPEN else (
+            self._speed * DRILLING_SPEED * self.drive.motor_displacement / _FLOW)
+        # Operating points are chosen one by one: there are no events among them.
+        self.events = 0.0 if tables else EVENTS
+
+    def parameter(self, name: str, key: str) -> Parameter:
+        """Return a parameter with bounds that go with the torques and speeds of the logs."""
+        return super().parameter(name, key).sized(self._torque, self._speed, self._flow)
+
+    def slow(self, name: str = '') -> bool:
+        """Say that nothing is replayed, so that nothing drifts out of step."""
+        return False
+
+    def _model(self) -> PartModel:
+        return part_model(self.rig)
+
+    def _replay(self, run: Run) -> PartReplay:
+        return part_replay(run, self.drive)
+
+    @staticmethod
+    def _usable(replay: PartReplay) -> np.ndarray:
+        return np.ones(len(replay.run), dtype=bool)
+
+    @staticmethod
+    def _shakes(replay: PartReplay) -> np.ndarray:
+        # Parts follow what was measured of the others: nothing drifts out of step.
+        return np.zeros(len(replay.run), dtype=bool)
+
+    def _floors(self) -> list[dict[str, float]]:
+        return [replay.floor(self.judge) for replay in self.replays]
+
+    @staticmethod
+    def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
+        time = replay.run.time - replay.run.time[0]
+        if named:
+            return np.full(len(time), 1 if training else -1)
+        if replay.static:
+            return np.where(np.arange(len(time)) % 3 == 1, -1, 1)
+        length = min(3 * BLOCK, time[-1] / 12)
+        part = np.where((time / length).astype(int) % 3 == 1, -1, 1)
+        part[time < min(SETTLE, 0.02 * time[-1])] = 0
+        return part
+
+    def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
+        """
+        Return a campaign of all rows, those judged on too, whose floors are what a model leaves.
+
+        A machine parts from every formula by more than its sensors scatter: by their noise alone
+        the rows with the slowest signals would tell all. Logs named to judge on stay out.
+        """
+        left = self.ratios(errors, held_out=True)
+        own = self.of_logs(lambda log: True, all_to_fit=not self._named)
+        own.floors = [{name: floor * max(left.get(name, 1.0), 1.0)
+                       for name, floor in floors.items()} for floors in self.floors]
+        own.columns = columns(own.replays, own.floors, own._weights)
+        return own
+
+    def driver(self, model: Model) -> PartModel:
+        """Return a part with the model's effects and factors."""
+        return self.drive.changed(model.effects, {
+            key: float(np.exp(value)) for key, value in model.factors.items()})
+
+    def out_of_reach(self, name: str) -> str:
+        """Say why the channels cannot show an effect; empty if they can."""
+        if catalogue()[name].both_ways and not any(replay.reverses for replay in self.replays):
+            return 'needs a log that turns both ways: in one direction it is dry friction'
+        if self._moves(Model({name: self.typical(name)}, {})):
+            return ''
+        enters = catalogue()[name].enters
+        return unread(self, name) or f'enters no balance that these channels close ({enters})'
+
+    def typical(self, name: str) -> dict[str, float]:
+        """Return parameters to start from; one that moves nothing here stays neutral."""
+        if name not in self._typical:
+            self._typical[name] = self._moving(name)
+        return dict(self._typical[name])
+
+    def _moving(self, name: str) -> dict[str, float]:
+        values = super().typical(name)
+        if name in self.adopted:
+            return values
+        off = catalogue()[name].neutral
+        for key in list(values)[1:]:
+            without = {**values, key: off[key] if off[key] != values[key]
+                       else 0.5 * values[key] + 1e-3}
+            if not self._differ(self.errors(Model({name: values})),
+                                self.errors(Model({name: without}))):
+                values[key] = off[key]
+        return values
+
+    def fits(self, name: str, key: str) -> bool:
+        """Say whether a parameter is fitted: here also those that a whole drive hardly shows."""
+        if name not in catalogue():
+            return super().fits(name, key)
+        effect = catalogue()[name]
+        parameter = effect.parameter(key)
+        if parameter.whole_drive:
+            # As well as there where the effect is measured by itself.
+            return any(entry.needs in self.signals for entry in effect.parameters)
+        return parameter.recorded_in(self.signals)
+
+    def alike(self, column: Column, chosen: np.ndarray, moved: np.ndarray,
+              more: np.ndarray) -> float:
+        """Return it where nothing is replayed: another form is a factor on what others do."""
+        power = float(more @ more)
+        if not power:
+            return 1.0
+        forms = self.replays[column.log].even[chosen] * moved[:, None]
+        left = more - forms @ np.linalg.lstsq(forms, more, rcond=None)[0]
+        return 1.0 - float(left @ left) / power
+
+    def scatter(self, name: str, held_out: bool | None = True) -> float:
+        """Return two standard errors of the squared noise ratio on held-out samples."""
+        count = 0.0
+        for column in self.columns:
+            if column.signal == name:
+                step = self.replays[column.log].run.sample_time
+                count += len(column.rows(held_out)) * (
+                    1.0 if self.replays[column.log].static else min(10 * step, 1.0))
+        return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
+
+    def _moves(self, model: Model) -> bool:
+        return self._differ(self.errors(model), self._still)
+
+    @staticmethod
+    def _differ(first, second) -> bool:
+        return any(bool(np.any(np.abs(one - other) > 1e-9)) for one, other in zip(first, second))

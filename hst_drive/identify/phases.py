@@ -1,0 +1,78 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Recordings that begin at different angles of the shaft, turned into step.
+
+What swings with the angle has one phase on a machine. Each recording counts the angle from where
+it began; turned so that their swings agree, they can be fitted together.
+"""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.effects import catalogue
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import Fit
+from hst_drive.identify.orders import strongest_orders
+from hst_drive.measure.turns import into_step, swinging
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+_SLOW = 0.5     # s, standard deviation of what is taken away as no swing of a turn
+
+
+def in_step(campaign: Campaign, model: Model,
+            errors: Sequence[np.ndarray] | None = None) -> Campaign:
+    """
+    Return the campaign with recordings turned so that their swings have one phase.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Stays as it is.
+    model : Model
+        What swings in it decides.
+    errors : sequence of ndarray, optional
+        Of the model (``Campaign.errors``): if nothing swings in it, what swings in them decides.
+
+    """
+    if errors is not None and not swinging(campaign.driver(model)):
+        orders = strongest_orders(campaign, errors)
+        for name in campaign.candidates() if orders else ():
+            if order := catalogue()[name].order:
+                model = model.with_effect(name, {**campaign.typical(name),
+                                                 order: float(orders[0])})
+    drive = campaign.driver(model)
+    if not swinging(drive):
+        return campaign
+    turned = campaign.copied()
+    for replay in turned.replays:
+        if 'motor_angle' in replay.inputs:
+            into_step(replay, drive)
+    return turned
+
+
+def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) -> Campaign:
+    """
+    Return the campaign with recordings turned so that what swings once a turn has one phase.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Stays as it is.
+    fitted : Fit
+        Swings that its model has stay in step.
+    sizes : sequence of ndarray
+        What swings, log by log.
+
+    """
+    counts = swinging(campaign.driver(fitted.model)).values()
+    turned = campaign.copied()
+    for replay, size in zip(turned.replays, sizes):
+        if 'motor_angle' in replay.inputs:
+            swing = size - gaussian_filter1d(size, _SLOW / replay.run.sample_time)
+            phase = float(np.angle(np.sum(swing * np.exp(-1j * replay.inputs['motor_angle']))))
+            for count in counts:
+                phase = round(phase * count / (2 * np.pi)) * 2 * np.pi / count
+            replay.turn(phase)
+    return turned

@@ -1,0 +1,326 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+The search for what is missing: every candidate is fitted, the best are combined.
+
+Forward with a small beam, then backward, judged on held-out data. What could stand in the place
+of an effect that was found is tried afterwards (``decide``) and told as its rival.
+"""
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+import os
+from typing import Callable, NamedTuple, Sequence
+
+from hst_drive.effects import catalogue
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import at_its_end, calibrated, Fit, fit, score
+from hst_drive.identify.judge import (
+    contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, parts, PRACTICAL, SIGNIFICANT, unexplained,
+    unharmed, worthwhile, worthwhile_in_part)
+from hst_drive.identify.phases import in_step
+from hst_drive.identify.score_test import score_test
+from hst_drive.identify.shapes import settled, shapes_of
+from hst_drive.identify.starts import starts
+import numpy as np
+
+MOST_EFFECTS = 3
+_BEAM = 2
+_SHORTLIST = 8
+_EXCHANGED = 3
+_AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
+_PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
+_NEAR = 1.5         # of the best start's cost
+_NEARLY = 1.2       # of the best set's score
+_ROUNDS = 5
+_NEW_VALLEY = 0.95      # of the score: usual shapes that gain more opened the way for others
+_HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
+
+
+class Candidate(NamedTuple):
+    """A fitted set of effects and what it gains over the calibrated baseline."""
+
+    names: tuple[str, ...]
+    fit: Fit
+    score: float
+
+
+class Search:
+    """
+    Fits and remembers sets of effects.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The data.
+    candidates : sequence of str
+        Effects to try.
+    progress : callable, optional
+        Called with a text now and then.
+
+    """
+
+    def __init__(self, campaign: Campaign, candidates: Sequence[str],
+                 progress: Callable[[str], None] = lambda text: None):
+        self.campaign = campaign
+        self.candidates = tuple(candidates)
+        self.progress = progress
+        self.base = calibrated(campaign)
+        self.bare = _without_adopted(campaign, self.base)
+        self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
+        self.campaign = in_step(campaign, self.base.model, self.base.errors)
+        self.baseline = Candidate((), self.base, self.score(self.base))
+        self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
+        #: What is not listed and was fitted, each with the campaign that it was fitted in.
+        self.unlisted: list[tuple[Campaign, Fit]] = []
+
+    def score(self, fitted: Fit) -> float:
+        """Return the held-out squared error plus what the priors ask; lower is better."""
+        return score(self.campaign, fitted)
+
+    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]], what: str,
+                again: bool = False) -> list[Candidate]:
+        """Fit sets of effects on all cores; known ones not, or if ``again`` the better counts."""
+        todo = [(tuple(sorted(names)), start) for names, start in sets
+                if again or tuple(sorted(names)) not in self._known]
+        # The long ones first, so that no core waits for them at the end.
+        todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
+                                        for name in task[0]))
+        with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
+            for done, found in enumerate(pool.map(self._fit, todo)):
+                self._known[found.names] = min(
+                    found, self._known.get(found.names, found), key=lambda item: item.score)
+                self.progress(f'{what}: {done + 1} of {len(todo)}')
+        return [self._known[tuple(sorted(names))] for names, _ in sets]
+
+    def _fit(self, task: tuple[tuple[str, ...], Model]) -> Candidate:
+        names, start = task
+        # Sizes first: a shape that is free from the start may end far from what it could be.
+        shapes = shapes_of(names)
+        found = [fit(self.campaign, model, known=self.factors, kept=shapes)
+                 for model in self._starts(names, start)]
+        best = min(found, key=lambda item: item.cost)
+        if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
+            # Where valleys are deep the first steps do not tell which is the deepest.
+            best = min((fit(self.campaign, item.model, iterations=3, kept=shapes)
+                        for item in found if item.cost < _NEAR * best.cost),
+                       key=lambda item: item.cost)
+        sized = self.candidate(names, best)
+        if not shapes:
+            return sized
+        free = self.candidate(names, fit(self.campaign, best.model, known=self.factors))
+        return min(sized, free, key=lambda item: item.score)
+
+    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
+        new = next((name for name in names if name not in start.effects), None)
+        if new is None:
+            return [start]
+        alone = self._known.get((new,))
+        return starts(self.campaign, self.factors, start, new,
+                      alone.fit.model.effects[new] if alone else None)
+
+    def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
+        """Return a fit of these effects with its score."""
+        score = self.score(found)
+        if any(at_its_end(self.campaign, found.model, name) for name in names):
+            # A shape at the end of its range stands for another effect.
+            score = max(score, self.baseline.score)
+        return Candidate(names, found, score)
+
+    def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
+        """Compare two candidates on held-out data, or on what was fitted."""
+        first, last = before.fit.errors, after.fit.errors
+        moved = [one - other for one, other in zip(first, last)]
+        return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
+
+    def worthwhile(self, before: Candidate, after: Candidate) -> bool:
+        """
+        Say whether what the second has more is worth naming.
+
+        Held-out logs may not visit where an effect shows: then a large gain on the logs that were
+        fitted counts, if nothing gets worse on the others.
+        """
+        held_out = self.gain(before, after)
+        return worthwhile(held_out, self.done(before, after)) or self._on_fitted(
+            before, after, held_out, self.gain(before, after, False))
+
+    def _on_fitted(self, before: Candidate, after: Candidate, held_out: Gain, fitted: Gain,
+                   form: float = FORM_SHARE) -> bool:
+        return unharmed(held_out) and worthwhile_in_part(fitted, contribution(
+            self.campaign, self.bare, before.fit, False, after.fit), form)
+
+    def agreed(self, before: Candidate, after: Candidate) -> bool:
+        """
+        Say whether held-out and fitted logs both ask for what the second has more.
+
+        Asked where nothing is unexplained: chance and form have more to choose from. A large gain
+        on the logs that were fitted will do, as it does for ``worthwhile``.
+        """
+        held_out, fitted = self.gain(before, after), self.gain(before, after, False)
+        lent = self._lent(before, after)
+        if lent and not any(found.share[name] >= PRACTICAL and found.amount[name] >= lent[name]
+                            for found in (held_out, fitted) for name in found.share):
+            return False
+        done = self.done(before, after)
+        form = NEAR_NOISE * FORM_SHARE
+        if self._on_fitted(before, after, held_out, fitted, form):
+            return True
+        return unharmed(held_out) and unharmed(fitted) and any(
+            min(held_out.share[name], fitted.share[name]) >= PRACTICAL
+            and held_out.shown[name] >= _AGREED and fitted.shown[name] >= SIGNIFICANT
+            and held_out.amount[name] >= (form * done[name])**2
+            for name in held_out.share if name in fitted.share)
+
+    def _lent(self, before: Candidate, after: Candidate) -> dict[str, float]:
+        """
+        Return what the load's roughness makes of each signal's error, in squared floors.
+
+        Empty but where only the second has a flexible shaft: the load behind that is found with
+        the measured speed, and follows rough rock better whether there is such a shaft or not.
+        """
+        flexible = [any(catalogue(everything=True)[name].slot == 'shaft_compliance'
+                        for name in entry.names) for entry in (before, after)]
+        if flexible != [False, True]:
+            return {}
+        shares: dict[str, list[float]] = {}
+        for column in self.campaign.columns:
+            noise = self.campaign.replays[column.log].noise[column.signal]
+            shares.setdefault(column.signal, []).append(1.0 - (noise * column.scale)**2)
+        return {name: float(np.mean(values)) for name, values in shares.items()}
+
+    def done(self, candidate: Candidate, after: Candidate | None = None) -> dict[str, float]:
+        """Return what the effects, those that the rig has adopted too, do to each signal."""
+        return contribution(self.campaign, self.bare, candidate.fit,
+                            added=after.fit if after else None)
+
+    def unexplained(self, candidate: Candidate) -> dict[str, float]:
+        """Return the signals that the candidate leaves unexplained."""
+        left: dict[str, float] = {}
+        for part in parts(self.campaign):
+            done = contribution(self.campaign, self.bare, candidate.fit, part)
+            left |= unexplained(self.campaign, candidate.fit, done, part)
+        return left
+
+    def refine(self, candidate: Candidate) -> Candidate:
+        """Fit a candidate with a Jacobian of its own; go on while that explains more."""
+        self.campaign = in_step(self.campaign, candidate.fit.model)
+        refined = self._patient(candidate)
+        usual = settled(self, refined)
+        if usual.score < _NEW_VALLEY * refined.score:
+            usual = min(usual, settled(self, self._patient(usual)), key=lambda item: item.score)
+        self._known[candidate.names] = usual
+        return usual
+
+    def _patient(self, candidate: Candidate) -> Candidate:
+        for _ in range(_ROUNDS):
+            before = candidate.fit.cost
+            found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
+            candidate = self.candidate(candidate.names, found)
+            if found.cost > 0.98 * before:
+                break
+        return candidate
+
+    def tried(self) -> list[Candidate]:
+        """Return every set that was fitted, the empty one among them."""
+        return list(self._known.values())
+
+    def single(self, name: str) -> Candidate:
+        """Return the fit with one effect alone."""
+        return self.try_all([((name,), self.base.model)], 'fitting effects')[0]
+
+    def singles(self) -> list[Candidate]:
+        """Return every effect alone, the best first."""
+        start = self.base.model
+        found = self.try_all([((name,), start) for name in self.candidates], 'fitting effects')
+        return sorted(found, key=lambda item: item.score)
+
+    def extend(self, candidate: Candidate, least: float = 0.0) -> list[Candidate]:
+        """
+        Return the candidate with one effect more, the best first.
+
+        Effects are tried that may move the signals as what is left does; ``least`` is the share
+        of its square that such a move must take away.
+        """
+        likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
+        found = self.try_all([((*candidate.names, name), candidate.fit.model)
+                              for hope, name in likely if hope >= least],
+                             f'fitting {len(candidate.names) + 1} effects together')
+        return sorted(found, key=lambda item: item.score)
+
+    def _extend_all(self, beam: Sequence[Candidate]) -> list[Candidate]:
+        return sorted((entry for candidate in beam for entry in self.extend(candidate)),
+                      key=lambda item: item.score)
+
+    def run(self) -> Candidate:
+        """Return the set of effects that the data ask for; it may be empty."""
+        best, beam = self.baseline, self.singles()[:_BEAM]
+        asked = self.worthwhile if self.unexplained(best) else self.agreed
+        while beam:
+            # Which of two that are near each other is the better one their own Jacobians tell.
+            top = min((self.refine(entry) for entry in beam
+                       if entry.score <= _NEARLY * beam[0].score), key=lambda item: item.score)
+            if top.score >= best.score or not asked(best, top):
+                top = self._together(best, beam)
+                if top is None:
+                    break
+            best = top
+            if len(best.names) == MOST_EFFECTS:
+                break
+            if self.unexplained(best):
+                level, asked = self._extend_all(beam), self.worthwhile
+            else:
+                # Short events may ask for one more effect though the whole is near the noise.
+                level, asked = self.extend(best, _HOPE), self.agreed
+            beam = level[:_BEAM]
+        return self.prune(self.exchange(best))
+
+    def _together(self, best: Candidate, beam: Sequence[Candidate]) -> Candidate | None:
+        """
+        Return a set with two effects more where one alone does not help; None if there is none.
+
+        What resonates with the other (ripple on a soft shaft) shows only beside it.
+        """
+        if len(beam[0].names) == MOST_EFFECTS or not self.unexplained(best):
+            return None
+        level = self._extend_all(beam)
+        if not level:
+            return None
+        top = self.refine(level[0])
+        return top if top.score < best.score and self.worthwhile(best, top) else None
+
+    def exchange(self, best: Candidate) -> Candidate:
+        """Put others in the place of effects that were chosen when the rest was not there."""
+        for out in best.names if len(best.names) > 1 else ():
+            kept, others = best.fit.model.without(out), {*best.names} - {out}
+            fewer = self.try_all([((*others,), kept)], 'taking effects out')[0]
+            likely = [name for _, name in sorted(score_test(self, fewer), reverse=True)
+                      if name != out][:_EXCHANGED]
+            found = self.try_all([((*others, name), kept) for name in likely], 'exchanging',
+                                 again=True)
+            top = min(found, key=lambda item: item.score, default=best)
+            if top.score < best.score and (top := self.refine(top)).score < best.score:
+                return self.exchange(top)
+        return best
+
+    def prune(self, best: Candidate) -> Candidate:
+        """Take effects out again that are not needed beside the others."""
+        while len(best.names) > 1:
+            # Anew, since what goes may only have shown the way to a deeper valley.
+            fewer = self.try_all(
+                [(tuple(name for name in best.names if name != out), best.fit.model.without(out))
+                 for out in best.names], 'taking effects out', again=True)
+            fewer.sort(key=lambda item: item.score)
+            without = self.refine(fewer[0])
+            if self.worthwhile(without, best):
+                return best
+            best = without
+        return best
+
+
+def _without_adopted(campaign: Campaign, base: Fit) -> Fit:
+    """Return the unit's fit with the errors that it has without what the rig has adopted."""
+    if not campaign.adopted:
+        return base
+    return base._replace(errors=campaign.errors(Model(
+        {name: catalogue(everything=True)[name].neutral for name in campaign.adopted},
+        base.model.factors)))

@@ -1,0 +1,90 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Ways of the pump to answer its command, and of sensors to read, that no effect lists.
+
+Each has one number. The pump's are tried by giving the model another command: that on which its
+pump does what this one does on the recorded command.
+"""
+from __future__ import annotations
+
+import copy
+from typing import Any, Callable, NamedTuple
+
+from hst_drive.identify.campaign import Campaign
+from hst_drive.measure.run import CHANNELS
+from hst_drive.model.part import follow
+from hst_drive.rig.rig import Pump
+import numpy as np
+
+_NO_LAG = 1e-3      # s: a pump that the datasheet gives no lag
+
+
+class Timing(NamedTuple):
+    """
+    A way to answer: ``change(campaign, replay, number)`` changes a copy of one log's replay.
+
+    ``told(number)`` says what it is, for numbers between ``bounds``, ``where`` it is comes before;
+    ``enters``, ``signal`` (empty: any) and ``depends_on`` say the same for a program.
+    """
+
+    change: Callable[[Campaign, Any, float], None]
+    told: Callable[[float], str]
+    bounds: tuple[float, float]
+    resolved: float
+    where: str = 'the pump follows its command with '
+    enters: str = 'pump_actuator'
+    signal: str = ''
+    depends_on: str = 'pump_command'
+
+
+def with_timing(campaign: Campaign, timing: Timing, number: float) -> Campaign:
+    """Return the campaign with a drive that answers in this way."""
+    changed = campaign.copied()
+    for replay in changed.replays:
+        timing.change(campaign, replay, number)
+    return changed
+
+
+def _of_the_pump(change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray],
+                 told: Callable[[float], str], *more: Any) -> Timing:
+    def changed(campaign: Campaign, replay: Any, number: float) -> None:
+        command = change(campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)
+        replay.inputs = {**replay.inputs, 'pump_command': command}
+
+    return Timing(changed, told, *more)
+
+
+def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> np.ndarray:
+    return np.interp(time - delay, time, command)
+
+
+def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
+                    slower: float) -> np.ndarray:
+    """Return the command for a plate whose lag is longer on the way down, or if < 0 up."""
+    usual = max(pump.displacement_lag, _NO_LAG)
+    aims = pump.displacement(command)
+    reached = follow(time, aims, usual * (1.0 + max(-slower, 0.0)),
+                     back_lag=usual * (1.0 + max(slower, 0.0)))
+    needed = reached[:-1] + np.diff(reached) / -np.expm1(-np.diff(time) / usual)
+    return pump.command_of(np.append(needed, aims[-1]))
+
+
+def reads_late(signal: str) -> Timing:
+    """Return a sensor whose reading lags."""
+    def changed(campaign: Campaign, replay: Any, lag: float) -> None:
+        replay.readings = copy.copy(replay.readings)
+        replay.readings.lags = {signal: lag}
+
+    title = CHANNELS[signal].title
+    return Timing(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms in the reading of {title}',
+                  (1e-3, 1.0), 1e-3, '', 'sensor', signal, signal)
+
+
+DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
+                         (0.0, 0.4), 2e-3)
+ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
+    f"a lag that is {1 + abs(slower):.1f} times as long on the plate's way "
+    + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
+LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow',
+                 'load_torque', 'motor_torque')

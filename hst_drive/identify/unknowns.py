@@ -1,0 +1,90 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is fitted, as a vector: factors of the unit and parameters of the effects that are on."""
+from __future__ import annotations
+
+from typing import Collection, Sequence
+
+from hst_drive.effects.formula import FORMULAS
+from hst_drive.identify.campaign import Campaign, Model
+import numpy as np
+
+SIGMAS = 3.0    # tolerances within which the unit's factors are held
+
+
+def symmetric_root(matrix: Sequence[Sequence[float]]) -> np.ndarray:
+    """Return the symmetric root of a symmetric matrix that is positive."""
+    if not len(matrix):
+        return np.zeros((0, 0))
+    values, vectors = np.linalg.eigh(np.asarray(matrix, dtype=float))
+    return (vectors * np.sqrt(values)) @ vectors.T
+
+
+class Unknowns:
+    """
+    The unknowns of a model as a vector.
+
+    A factor counts in tolerances, a parameter of an effect in its typical size (one that is
+    typically 0 in the greatest it may have, if that is below 1). What is in
+    ``kept``, (effect, parameter) or ('', factor), stays as the model has it.
+
+    Where factors are known together (``Campaign.ties``), the unknowns are those mixtures that are
+    independent, each the nearest to its factor: the root of the correlation is symmetric. So the
+    prior is one of independent unknowns of size 1 in either case.
+    """
+
+    def __init__(self, campaign: Campaign, model: Model,
+                 kept: Collection[tuple[str, str]] = ()):
+        self.tolerances = campaign.tolerances
+        self.start = model
+        factors = [('', key) for key in campaign.tolerances if ('', key) not in kept]
+        self.names = (*factors,
+                      *((name, key) for name, values in model.effects.items() for key in values
+                        if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
+                        and (name, key) not in kept))
+        self.factors = len(factors)     # of the unit; they come first
+        self._root = symmetric_root([[campaign.ties.get((one, other), float(one == other))
+                                      for _, other in factors] for _, one in factors])
+        self._parameter = campaign.parameter
+        self.scale = np.array([self._scale(*name) for name in self.names])
+        limits = [self._limits(*name) for name in self.names]
+        self.bounds = np.array(limits).reshape(-1, 2)       # SI
+        self.low, self.high = (self.bounds / self.scale[:, None]).T
+
+    def _scale(self, effect: str, key: str) -> float:
+        if not effect:
+            return self.tolerances[key]
+        parameter = self._parameter(effect, key)
+        return abs(parameter.typical) or min(parameter.high, 1.0)
+
+    def _limits(self, effect: str, key: str) -> tuple[float, float]:
+        if not effect:
+            return -SIGMAS * self.tolerances[key], SIGMAS * self.tolerances[key]
+        parameter = self._parameter(effect, key)
+        return parameter.low, parameter.high
+
+    def mix(self, vectors: np.ndarray) -> np.ndarray:
+        """Return values, SI, of vectors of the unknowns, or columns of such vectors."""
+        values = np.array(vectors, dtype=float)
+        values[:self.factors] = self._root @ values[:self.factors]
+        return (values.T * self.scale).T
+
+    def pack(self, model: Model) -> np.ndarray:
+        """Return the vector of a model."""
+        vector = np.array([model.factors.get(key, 0.0) if not effect
+                           else model.effects[effect][key]
+                           for effect, key in self.names]) / self.scale
+        vector[:self.factors] = np.linalg.solve(self._root, vector[:self.factors])
+        return vector
+
+    def unpack(self, vector: np.ndarray) -> Model:
+        """Return the model of a vector."""
+        values = self.mix(np.clip(vector, self.low, self.high))
+        factors = dict(self.start.factors)
+        effects = {name: dict(values) for name, values in self.start.effects.items()}
+        for (effect, key), value in zip(self.names, values):
+            if effect:
+                effects[effect][key] = float(value)
+            else:
+                factors[key] = float(value)
+        return Model(effects, factors)

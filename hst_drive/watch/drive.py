@@ -1,0 +1,188 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""All that is told of a running drive from samples as they come; the node is its shell."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hst_drive.losses.efficiency import Limits, Performance
+from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
+from hst_drive.watch.calibration import Calibration
+from hst_drive.watch.characteristic import Characteristic, Resistances
+from hst_drive.watch.figures import (
+    Accuracy, INLET, measured, modelled, moment_of, SIGNALS, SPEED, TEMPERATURE, uncertainty)
+from hst_drive.watch.naming import Signatures
+from hst_drive.watch.residuals import Balances, Block, LEAD
+from hst_drive.watch.stream import BILLION, Stream
+from hst_drive.watch.watch import Verdict, Watch
+
+_NARROW = 0.04      # s: half the smoothing of pressure and speed
+_WORDS = {'pump_outlet_pressure': 'pressure', 'motor_inlet_flow': 'flow', SPEED: 'speed',
+          'load_torque': 'load torque'}
+
+
+class Settings(NamedTuple):
+    """How an ``Observer`` works: s, Hz and limits of what is valid."""
+
+    rate: float = 10.0
+    window: float = 0.5
+    timeout: float = 0.5
+    block: float = 1.0
+    limits: Limits = Limits()
+    accuracy: Accuracy = Accuracy()
+
+
+class Figures(NamedTuple):
+    """Figures of merit that were true at ``stamp`` (ns), or the reason why there are none."""
+
+    stamp: int
+    reason: str = ''
+    measured: Performance | None = None
+    model: Performance | None = None
+    uncertainty: Performance | None = None
+
+
+class Watched(NamedTuple):
+    """A block that ended at ``stamp`` (ns): the verdict and the resistances, or why none."""
+
+    stamp: int
+    reason: str = ''
+    verdict: Verdict | None = None
+    resistances: Resistances | None = None
+    why_none: str = ''
+
+
+class Estimates(NamedTuple):
+    """What a step in time has brought."""
+
+    figures: list[Figures]
+    watched: list[Watched]
+
+
+class Observer:
+    """
+    Watches a drive through its signals.
+
+    Parameters
+    ----------
+    rig : Rig
+        Of the drive; the section 'motor' at least.
+    signals : tuple of str
+        Channels that will come.
+    settings : Settings
+        How to work.
+
+    Attributes
+    ----------
+    origin : int or None
+        Time of the first step, ns.
+    watch : Watch
+        The watch at work, with the unit's calibration.
+
+    """
+
+    def __init__(self, rig: Rig, signals: tuple[str, ...], settings: Settings = Settings()):
+        rig.require('motor', purpose='the estimator')
+        self.rig, self.settings = rig, settings
+        self.model = PartModel(rig)
+        self.balances = Balances(rig, signals, settings.accuracy)
+        self.signatures = Signatures(rig)
+        self.signals = (SPEED, *(name for name in signals if name != SPEED))
+        self._optional = tuple(name for name in (TEMPERATURE, INLET) if name in signals)
+        self._half = round(0.5 * settings.window * BILLION)
+        self._length = round(settings.block * BILLION)
+        self._lead = round(LEAD * BILLION)
+        memory = LEAD + 2 * settings.block + settings.window + settings.timeout
+        self._stream = Stream(self.signals, memory, settings.timeout)
+        self._restarts = 0
+        self._restart()
+
+    def _restart(self) -> None:
+        """Begin anew: nothing is known."""
+        self.watch = Watch(Calibration(
+            self.balances.spread, self.balances.correlation), self.signatures)
+        self.characteristic = Characteristic(self.model, self.settings.accuracy)
+        self.origin: int | None = None
+        self._next = self._block = 0
+
+    def put(self, name: str, stamp: int, value: float) -> None:
+        """Take a sample: channel, ns, SI."""
+        self._stream.put(name, stamp, value)
+        if self._stream.restarts != self._restarts:
+            self._restarts = self._stream.restarts
+            self._restart()
+
+    def reached(self) -> int | None:
+        """Return up to when all signals are known, or will not come any more, ns."""
+        newest = [self._stream.newest(name) for name in self.signals]
+        known = [stamp for stamp in newest if stamp is not None]
+        if not known:
+            return None
+        late = max(known) - round(self.settings.timeout * BILLION)
+        return late if len(known) < len(newest) else max(min(known), late)
+
+    def advance(self, stamp: int) -> Estimates:
+        """Return what can be told now that all samples up to ``stamp`` (ns) are there."""
+        if self.origin is None:
+            self.origin = self._next = stamp
+            self._block = stamp + self._lead
+        figures, watched = [], []
+        period = round(BILLION / self.settings.rate)
+        if stamp >= self._next:
+            self._next += (stamp - self._next) // period * period + period
+            figures.append(self._figures(stamp - self._half, stamp))
+        if stamp - self._block > 10 * self._length:
+            # Nothing came for long: old blocks have no samples.
+            self._block = stamp - self._length
+        while stamp >= self._block + self._length:
+            watched.append(self._watched(self._block, self._block + self._length))
+            self._block += self._length
+        return Estimates(figures, watched)
+
+    def _figures(self, middle: int, now: int) -> Figures:
+        missing = self._stream.missing(SIGNALS, middle - self._half, now)
+        if missing:
+            return Figures(middle, 'no ' + ' and no '.join(_WORDS[name] for name in missing))
+        begin, end = middle - self._half, middle + self._half + 1
+        here = [name for name in self._optional
+                if not self._stream.missing((name,), begin, now)]
+        window = self._stream.window((*SIGNALS, *here), begin, end)
+        moment = moment_of(window, middle, self.model, _NARROW)
+        if moment is None:
+            return Figures(middle, 'not enough samples yet')
+        speed = window.values[SPEED]
+        if speed.min() < 0.0 < speed.max():
+            return Figures(middle, 'reversal or standstill within the window')
+        displacement = self.model.motor_displacement
+        found, reason = measured(moment, displacement, self.settings.limits)
+        if found is None:
+            return Figures(middle, reason)
+        if found.volumetric > 1.5 or found.hydromechanical > 1.5:
+            return Figures(middle, 'signals contradict each other: efficiency above 1.5')
+        return Figures(middle, '', found, modelled(moment, displacement),
+                       uncertainty(moment, found, displacement, self.settings.accuracy))
+
+    def _watched(self, start: int, end: int) -> Watched:
+        names = self.balances.needed
+        if not self.balances.closed:
+            return Watched(end, 'the signals close no balance')
+        missing = self._stream.missing(names, start - self._lead, end)
+        if missing:
+            return Watched(end, f'no {" and no ".join(missing)}')
+        here = [name for name in self._optional if name not in names
+                and not self._stream.missing((name,), start - self._lead, end)]
+        block = self.balances.of(
+            self._stream.window((*names, *here), start - self._lead, end), start, end)
+        if isinstance(block, str):
+            return Watched(end, block)
+        return Watched(end, '', self.watch.add(block), *self._losses(block))
+
+    def _losses(self, block: Block) -> tuple[Resistances | None, str]:
+        found, known = block.residuals, block.known
+        if not {'motor_flow', 'motor_torque'} <= set(found):
+            return None, 'no flow or no torque'
+        self.characteristic.add(
+            known['pressure'], known[SPEED], found['motor_flow'].value,
+            -found['motor_torque'].value, known.get('case_drain_flow', float('nan')))
+        return self.characteristic.resistances(known['pressure'], known[SPEED])

@@ -1,0 +1,127 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Fit and intervals on a linear problem, against closed forms and against draws."""
+from types import SimpleNamespace
+
+from hst_drive.effects import catalogue
+from hst_drive.identify.campaign import Model
+from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.intervals import intervals
+from hst_drive.identify.unknowns import SIGMAS, Unknowns
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+TOLERANCES = {'motor.leakage': 0.1, 'pump.leakage': 0.05}
+EFFECT, KEY = 'viscous_drag', 'coefficient'
+TYPICAL = catalogue()[EFFECT].parameters[0].typical
+ROWS, BLOCK = 600, 20
+
+
+class Linear:
+    """A campaign whose errors are linear in the unknowns, each counted in its own scale."""
+
+    tolerances = TOLERANCES
+    ties = {}
+    adopted = {}
+    block = BLOCK
+
+    def __init__(self, matrix, values):
+        self.matrix, self.values = matrix, values
+        everything = np.arange(len(values))
+        self.columns = [SimpleNamespace(log=0, fit=everything, judge=everything[:0], trust=1.0)]
+        self.replays = [SimpleNamespace(run=SimpleNamespace(time=everything.astype(float)))]
+
+    def fits(self, name, key):
+        return True
+
+    def parameter(self, name, key):
+        return catalogue()[name].parameter(key)
+
+    def errors(self, model, *, to_fit=False):
+        unknowns = [model.factors.get(key, 0.0) / value for key, value in TOLERANCES.items()]
+        unknowns += [values[KEY] / TYPICAL for values in model.effects.values()]
+        return [self.matrix[:, :len(unknowns)] @ np.array(unknowns) - self.values]
+
+    def training(self, errors):
+        return errors[0]
+
+
+def problem(seed, true, noise=None):
+    """Return a linear campaign whose unknowns are ``true`` in their scales."""
+    random = np.random.default_rng(seed)
+    matrix = random.standard_normal((ROWS, 3)) * [0.3, 0.3, 0.3]
+    noise = random.standard_normal(ROWS) if noise is None else noise(random, matrix)
+    return Linear(matrix, matrix @ true + noise)
+
+
+def start():
+    """Return the model that fits begin with."""
+    return Model({EFFECT: {KEY: 0.3 * TYPICAL}})
+
+
+def scaled(model):
+    """Return the unknowns of a model in their scales."""
+    return [*(model.factors[key] / value for key, value in TOLERANCES.items()),
+            model.effects[EFFECT][KEY] / TYPICAL]
+
+
+@pytest.mark.parametrize('true', [(0.5, -1.0, 1.5), (0.0, 8.0, 1.0), (0.5, 0.5, -2.0)])
+def test_a_linear_problem_is_bounded_ridge_regression(true):
+    """Factors within three tolerances and drawn to the datasheet; a drag is not negative."""
+    campaign = problem(3, np.array(true))
+    prior = np.diag([1.0, 1.0, 0.0])
+    exact = lsq_linear(np.vstack([campaign.matrix, prior]),
+                       np.concatenate([campaign.values, np.zeros(3)]),
+                       ([-SIGMAS, -SIGMAS, 0.0], [SIGMAS, SIGMAS, np.inf])).x
+    found = fit(campaign, start(), iterations=6)
+    assert scaled(found.model) == pytest.approx(exact, abs=2e-3)
+    error = campaign.matrix @ exact - campaign.values
+    assert found.cost == pytest.approx(float(error @ error + exact[:2] @ exact[:2]), rel=1e-5)
+
+
+def covered(noise, count=300):
+    """Return how often the interval of the effect's size holds the truth."""
+    hits = 0
+    for seed in range(count):
+        found = fit(problem(seed, np.array([0.0, 0.0, 2.0]), noise), start(), refresh=True)
+        low, high = intervals(problem(seed, np.array([0.0, 0.0, 2.0]), noise), found)[EFFECT, KEY]
+        hits += low <= 2.0 * TYPICAL <= high
+    return hits / count
+
+
+def test_intervals_hold_the_truth_though_errors_are_alike_within_a_block():
+    """Independent-sample statistics, a cluster per row, hold it in 45 % of these cases."""
+    def noise(random, matrix):
+        # The column of the effect keeps its sign within a block, and so does the error.
+        sign = np.repeat(random.choice([-1.0, 1.0], ROWS // BLOCK), BLOCK)
+        matrix[:, 2] = 0.3 * sign
+        return (0.5 * np.repeat(random.standard_normal(ROWS // BLOCK), BLOCK)
+                + 0.5 * random.standard_normal(ROWS))
+
+    assert 0.88 <= covered(noise) <= 0.99
+
+
+def test_intervals_are_not_too_wide_where_samples_are_independent():
+    assert 0.88 <= covered(None) <= 0.985
+
+
+@pytest.mark.parametrize('name, key', [
+    (name, entry.name) for name, effect in catalogue().items() for entry in effect.parameters])
+def test_what_moves_nothing_has_the_declared_bounds_to_the_last_digit(name, key):
+    campaign = problem(1, (0.0, 0.0, 0.0))
+    campaign.tolerances = {}
+    jacobian = np.zeros((ROWS, 1))
+    campaign.fits = lambda effect, parameter: parameter == key
+    parameter = catalogue()[name].parameter(key)
+    found = intervals(campaign, Fit(Model({name: catalogue()[name].typical}),
+                                    [campaign.values], 0.0, ((name, key),), jacobian))
+    assert found[name, key] == (parameter.low, parameter.high)
+
+
+@pytest.mark.parametrize('name', catalogue())
+def test_an_unknown_is_counted_in_a_size_within_its_bounds(name):
+    """Else a difference quotient steps from one bound to the other."""
+    campaign = Linear(np.zeros((1, 1)), np.zeros(1))
+    unknowns = Unknowns(campaign, Model({name: dict(catalogue()[name].typical)}))
+    assert (unknowns.high - unknowns.low >= 0.1).all()

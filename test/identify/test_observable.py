@@ -1,0 +1,37 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Why logs cannot show an effect: what they do, or a channel that they lack."""
+from hst_drive.identify.fit import calibrated
+from hst_drive.identify.observable import visibility
+from hst_drive.identify.part import campaign_of
+from hst_drive.rig import default_rig
+import pytest
+
+from .benches import motor_bench, motor_rig
+from ..measure.synthetic import record
+
+SIGNALS = ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed')
+
+
+def reason(name, rig, run):
+    """Return why a log cannot show an effect; empty if it can."""
+    campaign = campaign_of(rig, [run])
+    return visibility(campaign, calibrated(campaign), [name])[0].reason
+
+
+@pytest.mark.parametrize('name, left_out, missing', [
+    ('leakage_temperature', ('oil_temperature',), 'oil_temperature'),
+    # Where the torque alone is recorded nobody knows the angle of the shaft.
+    ('piston_ripple', SIGNALS, 'motor_speed')])
+def test_what_follows_a_channel_that_no_log_has_names_it(name, left_out, missing):
+    there = reason(name, default_rig(), record(1, duration=15.0, roughness=0.3))
+    lacking = reason(name, default_rig(), record(1, duration=15.0, roughness=0.3,
+                                                 leave_out=left_out))
+    assert missing not in there
+    assert missing in lacking
+
+
+def test_in_a_log_of_a_part_as_well():
+    """Flow and leakage are there, so that their balances are closed; how warm, no one knows."""
+    run = motor_bench(channels=('motor_inlet_flow', 'case_drain_flow'))
+    assert 'oil_temperature' in reason('leakage_temperature', motor_rig(), run)
