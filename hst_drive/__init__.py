@@ -15,7 +15,7 @@ __all__ = ['InputError', 'adopt', 'commission', 'compare', 'design', 'diagnose',
 __version__ = '0.1.0'
 # All of it is imported when it is asked for: verbs and nodes start without. These functions are
 # packages that can be called (as_function).
-_PACKAGES = ('diagnose', 'effects', 'losses')
+_PACKAGES = ('design', 'diagnose', 'effects', 'losses')
 
 
 def __getattr__(name: str) -> Any:

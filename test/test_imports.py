@@ -13,7 +13,7 @@ PACKAGE = Path(hst_drive.__file__).parent
 BASE = {'as_function', 'channels', 'errors', 'units'}
 MODEL = BASE | {'effects', 'resources', 'rig', 'model'}
 PURE = MODEL | {'control', 'load', 'losses', 'measure'}
-ABOVE = PURE | {'bag', 'diagnose'}
+ABOVE = PURE | {'bag', 'identify', 'design', 'diagnose'}
 
 # Part of the package -> parts that it may import.
 MAY_IMPORT = {
@@ -21,8 +21,8 @@ MAY_IMPORT = {
     'resources': {'errors'},
     'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
-    'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'diagnose': ABOVE,
-    'nodes': PURE | {'bag'},
+    'measure': PURE, 'bag': BASE | {'measure', 'rig'}, 'watch': PURE, 'identify': PURE,
+    'design': PURE | {'identify'}, 'diagnose': ABOVE, 'nodes': PURE | {'bag', 'watch'},
     'report': ABOVE, 'fleet': ABOVE | {'report'}, 'workbench': ABOVE | {'report'},
     'api': ABOVE | {'report'}, 'export': MODEL,
     'cli': ABOVE | {'export', 'fleet', 'nodes', 'report', 'workbench'}, '__main__': {'cli'},
@@ -41,8 +41,8 @@ ONLY_IN = {
     'distributed': {'fleet'}, 'pandas': {'api'},
 }
 SILENT = ['api', 'as_function', 'units', 'errors', 'resources', 'rig', 'effects', 'model',
-          'control', 'load', 'losses', 'measure', 'bag', 'diagnose',
-          'export']
+          'control', 'load', 'losses', 'measure', 'bag', 'watch',
+          'identify', 'design', 'diagnose', 'export']
 
 
 def part(path: Path) -> str:

@@ -1,17 +1,15 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The explanations that a test has to tell apart, from a diagnosis or by name."""
+"""The explanations that a test has to tell apart."""
 from __future__ import annotations
 
 from difflib import get_close_matches
-import math
 from typing import Iterable, NamedTuple, Sequence
 
 from hst_drive.design.rehearse import rehearse
 from hst_drive.design.separation import (
     CLEAR, driver, recorded, Rehearsal, within_limits)
 from hst_drive.design.trials import plain_drilling, scenario
-from hst_drive.diagnose.result import require_schema, UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign, Model
@@ -21,7 +19,7 @@ from hst_drive.load.scenario import parse_scenario
 from hst_drive.rig import Rig
 
 _TWINS = 2
-_MOST, _WIDEST = 7, 8     # explanations that a diagnosis left, and with their twins
+_WIDEST = 8     # explanations, with their twins
 _STANDS_IN = 0.5          # of what the lead explains: less is no explanation of the same logs
 
 
@@ -72,60 +70,6 @@ def by_name(names: Sequence[str], channels: Iterable[str] = (),
     others = tuple(name for name in beside.effects if name not in names)
     models = [beside if name in beside.effects else None for name in names]
     return Rivals(tuple((*others, name) for name in names), tuple(models), tuple(channels), True)
-
-
-def of_diagnosis(diagnosis: dict, source: str,
-                 wanted: Sequence[str] | None = None) -> Rivals | None:
-    """
-    Return the rivals that a diagnosis left, None if it left none.
-
-    Parameters
-    ----------
-    diagnosis : dict
-        What ``diagnose --json`` wrote.
-    source : str
-        Its file, for messages.
-    wanted : sequence of str, optional
-        Tell these effects apart instead.
-
-    Raises
-    ------
-    InputError
-        If this is no diagnosis, or an effect is not known.
-
-    """
-    require_schema(diagnosis, source)
-    try:
-        channels = tuple(diagnosis['errors']['before'])
-        factors = {entry['quantity']: math.log(entry['factor'])
-                   for entry in diagnosis.get('calibration', ())}
-        effects = {entry['id']: {key: float(value['value'])
-                                 for key, value in entry['parameters'].items()}
-                   for entry in diagnosis['effects']}
-        groups = {entry['id']: tuple(name for name in entry.get('indistinguishable_from', ())
-                                     if name != UNIT_ALONE)
-                  for entry in diagnosis['effects']}
-        fitted = [Model(dict(entry), factors)
-                  for entry in (diagnosis.get('next_test') or {}).get('models', ())]
-    except (KeyError, TypeError, ValueError, AttributeError):
-        raise InputError(f"{source}: has no readable 'effects' and 'errors'; write the diagnosis "
-                         'again') from None
-    strange = [name for name in (*effects, *(entry for group in groups.values()
-                                             for entry in group)) if name not in catalogue()]
-    if strange:
-        raise InputError(f"{source}: effect '{strange[0]}' is not in the catalogue; see "
-                         "'hst-drive effects'")
-    best = Model(effects, factors)
-    if wanted:
-        return by_name(wanted, channels, best)
-    sets = [tuple(effects)]
-    for name, group in groups.items():
-        sets += [tuple(entry for entry in effects if entry != name) + (rival,) for rival in group]
-    if len(sets) < 2:
-        return None
-    known = {frozenset(model.effects): model for model in (*fitted, best)}
-    sets = sets[:_MOST]
-    return Rivals(tuple(sets), tuple(known.get(frozenset(entry)) for entry in sets), channels)
 
 
 def told_apart(models: Sequence[Model]) -> tuple[str, ...]:

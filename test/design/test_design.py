@@ -6,16 +6,17 @@ import json
 from test.diagnose.ambiguous import advised_log, first_log, named
 
 from hst_drive.cli import main
+from hst_drive.design import designer, rivals
 from hst_drive.design.design import CLEAR, Design, design
 from hst_drive.design.designer import Designer, Verified, worth
 from hst_drive.design.families import FAMILIES
 from hst_drive.design.rehearse import rehearse
-from hst_drive.design.rivals import by_name, matched, of_diagnosis, told_apart
+from hst_drive.design.rivals import by_name, matched, told_apart
 from hst_drive.design.separation import Difference, driver, expected_sigma, Pair
 from hst_drive.design.trials import (
     limits, plain_drilling, scenario, Segment, SPIN_UP, Trial)
-from hst_drive.diagnose import designer, rivals
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.next_test import of_diagnosis
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Model
 from hst_drive.load import load_scenario

@@ -8,10 +8,10 @@ from bench.watch import drilling, SIGNALS, watch_unit
 from hst_drive.bag import read_log
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import OF_OTHER_CIRCUITS
-from hst_drive.measure.online import watch as watching
 from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 from hst_drive.rig.fingerprint import Fingerprint
+from hst_drive.watch import watch as watching
 from hst_drive.watch.calibration import Calibration, LIMIT
 from hst_drive.watch.characteristic import Characteristic
 from hst_drive.watch.drive import Observer
