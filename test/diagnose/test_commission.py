@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from .machines import columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT
-from .test_fit import Linear
+from ..identify.test_fit import Linear
 
 ROUGH = {**MAKE, 'tolerances_1_sigma_relative': {
     'pump.displacement_vs_command': 0.02, 'pump.leakage': 0.3}}

@@ -7,7 +7,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.rig import default_rig
 import pytest
 
-from .benches import motor_bench, motor_rig
+from ..diagnose.benches import motor_bench, motor_rig
 from ..measure.synthetic import record
 
 SIGNALS = ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed')

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import yaml
 
-from . import benches
+from ..diagnose import benches
 
 NAMES = {'coulomb': 'bearing_friction', 'viscous': 'viscous_drag',
          'quadratic': 'hydrodynamic_drag', 'stribeck': 'stribeck_friction'}

@@ -13,7 +13,7 @@ from hst_drive.watch.stream import Window
 import numpy as np
 import pytest
 
-from .synthetic import record
+from ..measure.synthetic import record
 
 RIG = default_rig()
 SLOWER = 100.0
