@@ -252,8 +252,8 @@ def diagnose(logs: Any, rig: Rigs = None, *, holdout: Any = (), channels: Channe
     >>> import hst_drive as hd
     >>> log = hd.simulate('commissioning', effects={'motor_leakage': {'conductance': 2e-12}})
     >>> found = hd.diagnose(log.between(0.0, 30.0))
-    >>> found.verdict, list(found.effects)      # 30 s do not tell a gap from an orifice
-    ('ambiguous', ['motor_leakage'])
+    >>> found.verdict, list(found.effects)
+    ('missing_effect', ['motor_leakage'])
 
     """
     from hst_drive.diagnose.decide import diagnose as work
