@@ -13,7 +13,7 @@ REFERENCE = 1e7     # Pa
 
 def flow(pressure, viscosity_ratio, conductance, viscosity_share, exponent):
     """Return the flow from the high line to the low one, m^3/s."""
-    through = conductance * REFERENCE * (pressure / REFERENCE)**exponent
+    through = conductance * REFERENCE * (max(pressure, 0.0) / REFERENCE)**exponent
     return through / (1.0 + viscosity_share * (viscosity_ratio - 1.0))
 
 
