@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from importlib.util import find_spec
 import os
 from pathlib import Path
+import re
 import sys
 
 from hst_drive.nodes.session import free_domain
@@ -25,8 +26,7 @@ settings.register_profile('untimed', deadline=None)
 settings.load_profile('untimed')
 
 HAS_NUMBA = find_spec('numba') is not None
-# What tests need beyond the package itself; a sourced ROS 2 of Ubuntu has none of it. The made-up
-# measurements of test/truth come from a compiled generator.
+# What tests need beyond the package itself; a sourced ROS 2 of Ubuntu has none of it.
 BAGS = ('mcap', 'mcap_ros2', 'rosbags')
 NEEDS = {
     **dict.fromkeys(('bag/test_bags.py', 'bag/test_blocks.py', 'bag/test_cdr.py',
@@ -39,17 +39,12 @@ NEEDS = {
                      'nodes/test_run.py', 'test_ros2_lines.py'), (*BAGS, 'rclpy')),
     'bench/test_soak.py': ('mcap',), 'nodes/test_start.py': ('mcap', 'rclpy'),
     'nodes/test_steady_timers.py': ('rclpy',),
-    'effects/test_battery.py': ('pint',), 'diagnose/test_design.py': ('numba',),
-    **dict.fromkeys(('diagnose/test_alternatives.py', 'diagnose/test_causes.py',
-                     'diagnose/test_score_test.py', 'diagnose/test_limits.py',
-                     'diagnose/test_orders.py', 'diagnose/test_pairs.py',
-                     'diagnose/test_phases.py', 'measure/test_circuit.py',
-                     'measure/test_unjudged.py',
-                     'diagnose/test_return_line.py', 'diagnose/test_rough_rock.py',
-                     'diagnose/test_shapes.py', 'diagnose/test_slow_rows.py',
-                     'diagnose/test_standing.py',
-                     'diagnose/test_unlisted.py', 'diagnose/test_few_steps.py'), ('numba',)),
-    'truth': ('numba',), 'bench': ('numba',)}
+    'effects/test_battery.py': ('pint',), 'truth': ('numba',), 'bench': ('numba',)}
+# The made-up measurements of test/truth come from a compiled generator.
+MADE_UP = re.compile(r'^from (test\.truth|bench\.campaigns|\S*\.ambiguous)\b', re.MULTILINE)
+HERE = Path(__file__).parent
+NEEDS |= {str(path.relative_to(HERE)): ('numba',) for path in HERE.rglob('test_*.py')
+          if path.parent != HERE / 'truth' and MADE_UP.search(path.read_text(encoding='utf-8'))}
 LACKING = {path: lacking for path, modules in NEEDS.items()
            if (lacking := [name for name in modules if find_spec(name) is None])}
 collect_ignore = list(LACKING)

@@ -122,6 +122,7 @@ def test_flow_and_torque_balance_either_way(reversed_run):
         assert low == pytest.approx(25e5, rel=0.05) and found['charge_pressure'] > low
 
 
+@pytest.mark.needs_numba
 def test_the_recording_is_one_that_the_model_describes(reversed_run, tmp_path):
     """What the nodes simulated replays; lines that change sides between two rows are not asked."""
     assert np.array_equal(reversed_run['load_torque'], reversed_run['motor_torque'])

@@ -40,11 +40,12 @@ def test_a_step_of_the_set_point_at_any_rate_of_the_sensor(rate):
     first = int(np.flatnonzero(found[:, 1] > 0.0)[0])
     at, command = found[first:].T
     assert command[0] == pytest.approx(KP * ERROR, rel=0.01)
-    # ki * e * t, whatever the rate; beyond the start, as t is known to a sample time only.
-    late = at - at[0] > 1.5
+    # ki * e * t, whatever the rate; beyond the start, whose stamp a busy machine sends late.
+    late = at - at[0] > 1.0
     assert late.sum() > 100, controller.err
-    np.testing.assert_allclose((command[late] - command[0]) / (at[late] - at[0]), KI * ERROR,
-                               rtol=0.05)
+    rise, begin = np.polyfit(at[late] - at[0], command[late], 1)
+    assert rise == pytest.approx(KI * ERROR, rel=0.05)
+    np.testing.assert_allclose(command[late], begin + rise * (at[late] - at[0]), atol=0.3)
     # A command each sample time, or for each reading; a busy machine leaves some out.
     assert (len(at) - 1) * SAMPLE / (at[-1] - at[0]) > 0.8 * max(1.0, rate * SAMPLE)
     assert told['state'] == 'running', told
