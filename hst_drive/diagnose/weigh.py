@@ -96,7 +96,8 @@ def likeliest(search: Search, best: Candidate,
     """
     others = [tuple(sorted({*best.names} - {name} | {rival}))
               for name, group in rivals.items() for rival in group
-              if rival not in catalogue()[name].alike and name not in catalogue()[rival].alike]
+              if rival in search.candidates and rival not in catalogue()[name].alike
+              and name not in catalogue()[rival].alike]
     if not others:
         return best
     shares = dict(weigh(search, best).sets)

@@ -34,7 +34,9 @@ def test_nothing_is_missing():
 def test_what_looks_alike_is_told_as_a_set(folder, verdict, among):
     found = answer(folder)
     named, = found.effects
-    assert (found.verdict, {named.id, *named.indistinguishable_from}) == (verdict, among)
+    told = [named.id, *named.indistinguishable_from]
+    assert (found.verdict, sorted(told)) == (verdict, sorted(among))
+    assert named.id != 'pump_orifice_leakage'    # another form of pump_leakage
 
 
 def test_a_shaft_that_is_hardly_damped_is_found_with_its_size():
