@@ -8,6 +8,7 @@ from typing import Any, Callable, Container, NamedTuple
 from hst_drive.measure import equations
 from hst_drive.measure.equations import PRESSURES
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.model.circuits import Part
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -29,7 +30,9 @@ class Balance(NamedTuple):
     rig file must give, ``without`` channels that make another balance the better one. ``enters``
     and ``place`` say what is missing where it does not close, ``sign`` times its error, per
     displacement of the hydromotor where ``swept``; ``formula`` which formula can carry it.
-    ``id`` is the word by which it is watched while the drive runs; without one it is not.
+    ``id`` is the word by which it is watched while the drive runs; without one it is not. ``reads``
+    are channels that it goes by where they are there. ``parts`` and ``sheet`` are those of a
+    circuit's balance.
     """
 
     name: str
@@ -44,6 +47,9 @@ class Balance(NamedTuple):
     swept: bool = False
     without: tuple[str, ...] = ()
     id: str = ''
+    reads: tuple[str, ...] = ()
+    parts: tuple[Part, ...] = ()
+    sheet: float = 0.0
 
     @property
     def unit(self) -> str:
@@ -52,7 +58,8 @@ class Balance(NamedTuple):
 
     def channels(self, present: Container[str]) -> tuple[str, ...]:
         """Return what it goes by: those of its alternatives that are present, the signal first."""
-        return tuple(dict.fromkeys(name for group in (self.predicts, *self.needs)
+        return tuple(dict.fromkeys(name for group in (self.predicts, *self.needs,
+                                                                 self.reads)
                                    for name in group if name in present))
 
 
@@ -92,7 +99,6 @@ BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
     Balance('line', equations.line, ('pump_outlet_pressure',), (('motor_inlet_pressure',),),
             ('line',), 'torque', 'pressure lost in the line', id='line_pressure'),
 )}
-WATCHED = {entry.id: entry for entry in BALANCES.values() if entry.id}
 
 
 def closed(run: Run, rig: Rig) -> dict[str, str]:
@@ -104,7 +110,7 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for balance in BALANCES.values():
-        if _missing(balance, run, rig):
+        if lacking(balance, run, rig):
             continue
         signal = balance.channels(run)[0]
         if balance.name == 'hydromotor speed' and found.get('motor_inlet_flow') != 'pump flow':
@@ -118,11 +124,6 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     return found
 
 
-def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
-    """Return the balances, by id, that some signals close while the drive runs."""
-    return {name: entry for name, entry in WATCHED.items() if not _missing(entry, signals, rig)}
-
-
 def _returns(run: Run) -> bool:
     """Say whether the outlet is a return line: none that drives, nor one that is an inlet, too."""
     inlet = next(run[name] for name in PRESSURES if name in run)
@@ -131,7 +132,7 @@ def _returns(run: Run) -> bool:
     return float(np.mean(backwards | (outlet > inlet))) < _SELDOM
 
 
-def _missing(balance: Balance, run: Container[str], rig: Rig) -> list[str]:
+def lacking(balance: Balance, run: Container[str], rig: Rig) -> list[str]:
     """Return what a balance lacks, as texts; empty if it is closed."""
     lacks = []
     for group in (balance.predicts, *balance.needs):
@@ -157,7 +158,7 @@ def what_would_close(run: Run, rig: Rig) -> str:
     """Return the line for a log that closes no balance."""
     texts = []
     for balance in BALANCES.values():
-        lacks = _missing(balance, run, rig)
+        lacks = lacking(balance, run, rig)
         present = len(balance.needs) + 1 - sum("'" not in text for text in lacks)
         if balance.name in ('hydromotor torque', 'hydromotor flow', 'pump flow', 'mass'):
             texts.append((-present, len(lacks), f'{balance.name} lacks {", ".join(lacks)}'))

@@ -16,7 +16,7 @@ from typing import Any
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import (
-    BALANCES, closed, is_table, TORQUES, what_would_close)
+    Balance, BALANCES, closed, is_table, TORQUES, what_would_close)
 from hst_drive.measure.equations import PRESSURES, source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
@@ -126,6 +126,10 @@ class PartReplay:
             raise InputError(what_would_close(run, model.rig))
         return found
 
+    def place(self, name: str) -> Balance:
+        """Return the balance of that name."""
+        return BALANCES[name]
+
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
         return next((float(np.percentile(np.abs(self._channels[name]), _USUAL))
@@ -195,7 +199,7 @@ class PartReplay:
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
         """Return the usual factor on a rate in a balance, and the channel of that rate."""
-        known = told(model, self._channels, self._creeping, self.inputs.get('motor_angle'))
+        known = self._told(model, self._channels)
         source, found = '', []
 
         def rate(values: np.ndarray) -> float:
@@ -205,7 +209,7 @@ class PartReplay:
             return float(len(found))
 
         for _ in range(2):
-            found.append(BALANCES[self.balances[name]].equation(
+            found.append(self.place(self.balances[name]).equation(
                 model, known, self._channels, Weak(self.run.time, np.asarray, rate)))
         return float(np.median(np.abs(found[1] - found[0]))), source
 
@@ -252,11 +256,15 @@ class PartReplay:
         """
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        known = told(model, channels, self._creeping, self.inputs.get('motor_angle'))
-        signals = {name: np.broadcast_to(BALANCES[balance].equation(
+        known = self._told(model, channels)
+        signals = {name: np.broadcast_to(self.place(balance).equation(
             model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
         return Prediction(signals, np.zeros(len(self.run)))
+
+    def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+        """Return what the equations may read."""
+        return told(model, channels, self._creeping, self.inputs.get('motor_angle'))
 
     def _weak(self, name: str) -> Weak:
         """Return the weak form in which a signal is compared."""

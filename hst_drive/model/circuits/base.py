@@ -76,6 +76,7 @@ class Balance(NamedTuple):
     per: str = ''
     formula: str = ''
     sheet: float = 0.003
+    id: str = ''
 
 
 @dataclass(frozen=True, eq=False)
