@@ -92,7 +92,7 @@ def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float =
     """
     judged = judged or rig
     balances = Balances(judged, SIGNALS)
-    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(judged))
+    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(balances.model))
     alarms: list[str] = []
     held: dict[str, np.ndarray] | None = None
     before: tuple[str, ...] = ()

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from functools import lru_cache, partial
 import math
-from typing import Any, Mapping
+from typing import Any, Container, Mapping
 
 from hst_drive.effects import catalogue
-from hst_drive.measure.balances import Balance, BALANCES
+from hst_drive.measure.balances import Balance, BALANCES, lacking
 from hst_drive.measure.equations import told, Weak
 from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel
@@ -30,10 +30,12 @@ _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
 Known = Mapping[str, Any]
 
 
-def balances_for(rig: Rig) -> dict[str, Balance]:
-    """Return the balances of a rig's circuit by name."""
+def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
+    """Return the balances, by id, that some signals close while the drive runs."""
     circuit = circuits.circuit_of(rig)
-    return BALANCES if circuit is None else balances_of(circuit)
+    return {entry.id: entry for entry in (
+        BALANCES if circuit is None else balances_of(circuit)).values()
+        if entry.id and not lacking(entry, signals, rig)}
 
 
 @lru_cache
@@ -78,7 +80,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     Returns
     -------
     dict
-        Quantities and states; ``true``, the channels as they are where a sensor reads something
+        Quantities and states; 'viscosity_ratio'; ``true``, the channels as they are where a sensor reads something
         else; ``behind``; ``without``, which evaluates with one measured state free.
 
     """
@@ -86,6 +88,8 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     for name in ('line_a_pressure', 'motor_speed'):
         if name in true:
             true[name] = true[name] - _reading(model, channels, name, true[name], behind)
+    ratio = true.setdefault('viscosity_ratio', model.viscosity_ratio(true.get(
+        'oil_temperature', np.full(len(time), model.rig.characterised_at))))
     states = [entry.name for entry in model.circuit.states]
 
     def without(free: str) -> dict[str, np.ndarray]:
@@ -97,7 +101,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
                           _earlier(known))
         return {name: values[1:] for name, values in found.items()}
 
-    return {**without(''), 'true': true, 'behind': behind, 'without': without}
+    return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'behind': behind, 'without': without}
 
 
 def _earlier(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -3,17 +3,20 @@
 """All that is told of a running drive from samples as they come; the node is its shell."""
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance
-from hst_drive.model.part import PartModel
+from hst_drive.measure.run import CHANNELS
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.characteristic import Characteristic, Resistances
 from hst_drive.watch.figures import (
-    Accuracy, INLET, measured, modelled, moment_of, SIGNALS, SPEED, TEMPERATURE, uncertainty)
+    INLET, losses, lost, measured, modelled, moment_of, signals_for, TEMPERATURE, uncertainty)
 from hst_drive.watch.naming import Signatures
-from hst_drive.watch.residuals import Balances, Block, LEAD
+from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
+from hst_drive.watch.samples import Accuracy, SPEED
 from hst_drive.watch.stream import BILLION, Stream
 from hst_drive.watch.watch import Verdict, Watch
 
@@ -85,11 +88,15 @@ class Observer:
     def __init__(self, rig: Rig, signals: tuple[str, ...], settings: Settings = Settings()):
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
-        self.model = PartModel(rig)
         self.balances = Balances(rig, signals, settings.accuracy)
-        self.signatures = Signatures(rig)
+        self.model = self.balances.model
+        self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
-        self._optional = tuple(name for name in (TEMPERATURE, INLET) if name in signals)
+        self._optional = tuple(name for name in (
+            TEMPERATURE, INLET, 'motor_displacement_command') if name in signals)
+        self._of_figures = signals_for(rig, signals)
+        # Without a flow meter the pump tells the flow: its lag has to settle.
+        self._before = 0 if rig.circuit == OPEN else round(LEAD * BILLION)
         self._half = round(0.5 * settings.window * BILLION)
         self._length = round(settings.block * BILLION)
         self._lead = round(LEAD * BILLION)
@@ -141,19 +148,23 @@ class Observer:
         return Estimates(figures, watched)
 
     def _figures(self, middle: int, now: int) -> Figures:
-        missing = self._stream.missing(SIGNALS, middle - self._half, now)
+        begin, end = middle - self._half - self._before, middle + self._half + 1
+        missing = self._stream.missing(self._of_figures, begin, now)
         if missing:
-            return Figures(middle, 'no ' + ' and no '.join(_WORDS[name] for name in missing))
-        begin, end = middle - self._half, middle + self._half + 1
-        here = [name for name in self._optional
-                if not self._stream.missing((name,), begin, now)]
-        window = self._stream.window((*SIGNALS, *here), begin, end)
-        moment = moment_of(window, middle, self.model, _NARROW)
+            return Figures(middle, 'no ' + ' and no '.join(
+                _WORDS.get(name, CHANNELS[name].title) for name in missing))
+        here = [name for name in self._optional if name not in self._of_figures
+                and not self._stream.missing((name,), begin, now)]
+        window = self._stream.window((*self._of_figures, *here), begin, end)
+        lead = self._before / BILLION
+        moment = moment_of(window, middle, self.model, _NARROW, lead)
         if moment is None:
             return Figures(middle, 'not enough samples yet')
-        speed = window.values[SPEED]
+        speed = window.values[SPEED][window.time >= lead]
         if speed.min() < 0.0 < speed.max():
             return Figures(middle, 'reversal or standstill within the window')
+        if math.isnan(moment.flow) and self._before:
+            return Figures(middle, NEITHER)
         displacement = self.model.motor_displacement
         found, reason = measured(moment, displacement, self.settings.limits)
         if found is None:
@@ -179,10 +190,13 @@ class Observer:
         return Watched(end, '', self.watch.add(block), *self._losses(block))
 
     def _losses(self, block: Block) -> tuple[Resistances | None, str]:
-        found, known = block.residuals, block.known
-        if not {'motor_flow', 'motor_torque'} <= set(found):
+        samples = block.samples
+        speed = samples.mean(samples.known.get('true', samples.known)[SPEED])
+        at = losses(self.model, samples.known, speed)
+        flow, torque = lost(samples.residuals, at)
+        if math.isnan(flow + torque):
             return None, 'no flow or no torque'
-        self.characteristic.add(
-            known['pressure'], known[SPEED], found['motor_flow'].value,
-            -found['motor_torque'].value, known.get('case_drain_flow', float('nan')))
-        return self.characteristic.resistances(known['pressure'], known[SPEED])
+        pressure, speed = samples.mean(at.pressure), at.way * speed
+        drain = samples.drained() - samples.mean(at.rest)
+        self.characteristic.add(pressure, speed, flow, torque, drain)
+        return self.characteristic.resistances(pressure, speed)

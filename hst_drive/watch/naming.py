@@ -14,9 +14,9 @@ import math
 from typing import Mapping, NamedTuple
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import Effect, OF_OTHER_CIRCUITS, Parameter, READABLE
+from hst_drive.effects.base import Effect, Parameter, READABLE
 from hst_drive.model.arrays import evaluate
-from hst_drive.rig import Rig
+from hst_drive.model.part import PartModel
 from hst_drive.watch.calibration import Calibration, LIMIT
 from hst_drive.watch.residuals import Block
 import numpy as np
@@ -31,7 +31,7 @@ _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
          'line_upstream_share', 'shaft_compliance', 'shaft_load_share', 'shaft_damping_time',
          'line_inertance', 'line_far_share', 'line_damping', 'speed_reading_lag',
-         'speed_reading_series_lag', 'motor_torque')
+         'speed_reading_series_lag', 'motor_torque', 'gear_twist', 'gear_angle')
 """Slots of terms whose means over a block are next to nothing."""
 
 
@@ -57,8 +57,9 @@ class Signatures:
 
     Parameters
     ----------
-    rig : Rig
-        Effects that it has adopted are in the model already: they may have grown or shrunk.
+    model : PartModel
+        Of the drive. Effects that its rig has adopted are in it already: they may have grown or
+        shrunk.
 
     Attributes
     ----------
@@ -67,11 +68,11 @@ class Signatures:
 
     """
 
-    def __init__(self, rig: Rig):
+    def __init__(self, model: PartModel):
         tried = {name: effect for name, effect in catalogue().items()
                  if effect.searched == 'always' and not effect.both_ways
-                 and effect.slot not in OF_OTHER_CIRCUITS}
-        self._adopted = rig.effects
+                 and model.enters(name)}
+        self._adopted = model.rig.effects
         self.unseen = tuple(name for name, effect in tried.items()
                             if all(slot in _FAST for slot, _ in effect.terms))
         self._effects = {name: effect for name, effect in tried.items()
