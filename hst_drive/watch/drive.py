@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.measure.run import CHANNELS
+from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
@@ -72,7 +73,7 @@ class Observer:
     rig : Rig
         Of the drive; the section 'motor' at least.
     signals : tuple of str
-        Channels that will come.
+        Channels that may come: the balances are those that can be closed by what has come.
     settings : Settings
         How to work.
 
@@ -88,13 +89,11 @@ class Observer:
     def __init__(self, rig: Rig, signals: tuple[str, ...], settings: Settings = Settings()):
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
-        self.balances = Balances(rig, signals, settings.accuracy)
-        self.model = self.balances.model
+        self.model = part_model(rig)
         self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
         self._optional = tuple(name for name in (
             TEMPERATURE, INLET, 'motor_displacement_command') if name in signals)
-        self._of_figures = signals_for(rig, signals)
         # Without a flow meter the pump tells the flow: its lag has to settle.
         self._before = 0 if rig.circuit == OPEN else round(LEAD * BILLION)
         self._half = round(0.5 * settings.window * BILLION)
@@ -103,12 +102,23 @@ class Observer:
         memory = LEAD + 2 * settings.block + settings.window + settings.timeout
         self._stream = Stream(self.signals, memory, settings.timeout)
         self._restarts = 0
+        self._hear(signals)
         self._restart()
+
+    def _hear(self, came: tuple[str, ...]) -> None:
+        """Watch what these signals close."""
+        self._came = came
+        self.balances = Balances(self.rig, came, self.settings.accuracy)
+        self._of_figures = signals_for(self.rig, came)
+        self._watch()
+
+    def _watch(self) -> None:
+        self.watch = Watch(Calibration(
+            self.balances.spread, self.balances.correlation), self.signatures)
 
     def _restart(self) -> None:
         """Begin anew: nothing is known."""
-        self.watch = Watch(Calibration(
-            self.balances.spread, self.balances.correlation), self.signatures)
+        self._watch()
         self.characteristic = Characteristic(self.model, self.settings.accuracy)
         self.origin: int | None = None
         self._next = self._block = 0
@@ -175,6 +185,9 @@ class Observer:
                        uncertainty(moment, found, displacement, self.settings.accuracy))
 
     def _watched(self, start: int, end: int) -> Watched:
+        came = tuple(name for name in self.signals if self._stream.newest(name) is not None)
+        if set(came) != set(self._came):
+            self._hear(came)
         names = self.balances.needed
         if not self.balances.closed:
             return Watched(end, 'the signals close no balance')
