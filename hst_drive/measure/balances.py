@@ -30,9 +30,9 @@ class Balance(NamedTuple):
     rig file must give, ``without`` channels that make another balance the better one. ``enters``
     and ``place`` say what is missing where it does not close, ``sign`` times its error, per
     displacement of the hydromotor where ``swept``; ``formula`` which formula can carry it.
-    ``id`` is the word by which it is watched while the drive runs; without one it is not. ``reads``
-    are channels that it goes by where they are there. ``parts`` and ``sheet`` are those of a
-    circuit's balance.
+    ``id`` is the word by which it is watched while the drive runs; without one it is not.
+    ``reads`` are channels that it goes by where they are there; ``parts`` and ``sheet`` are those
+    of a circuit's balance.
     """
 
     name: str
@@ -58,9 +58,8 @@ class Balance(NamedTuple):
 
     def channels(self, present: Container[str]) -> tuple[str, ...]:
         """Return what it goes by: those of its alternatives that are present, the signal first."""
-        return tuple(dict.fromkeys(name for group in (self.predicts, *self.needs,
-                                                                 self.reads)
-                                   for name in group if name in present))
+        groups = (self.predicts, *self.needs, self.reads)
+        return tuple(dict.fromkeys(name for group in groups for name in group if name in present))
 
 
 _SPEED, _FLOW, _DISPLACEMENT = ('motor_speed',), ('motor_inlet_flow',), (

@@ -80,8 +80,8 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     Returns
     -------
     dict
-        Quantities and states; 'viscosity_ratio'; ``true``, the channels as they are where a sensor reads something
-        else; ``behind``; ``without``, which evaluates with one measured state free.
+        Quantities and states; 'viscosity_ratio'; 'true': the channels as they are where a sensor
+        reads something else; 'behind'; 'without', which evaluates with one measured state free.
 
     """
     true = dict(channels)
@@ -101,7 +101,8 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
                           _earlier(known))
         return {name: values[1:] for name, values in found.items()}
 
-    return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'behind': behind, 'without': without}
+    return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'behind': behind,
+            'without': without}
 
 
 def _earlier(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

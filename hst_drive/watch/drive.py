@@ -108,6 +108,7 @@ class Observer:
     def _hear(self, came: tuple[str, ...]) -> None:
         """Watch what these signals close."""
         self._came = came
+        self._doubt: float | None = None
         self.balances = Balances(self.rig, came, self.settings.accuracy)
         self._of_figures = signals_for(self.rig, came)
         self._watch()
@@ -167,7 +168,7 @@ class Observer:
                 and not self._stream.missing((name,), begin, now)]
         window = self._stream.window((*self._of_figures, *here), begin, end)
         lead = self._before / BILLION
-        moment = moment_of(window, middle, self.model, _NARROW, lead)
+        moment = moment_of(window, middle, self.model, _NARROW, lead, self._doubt or 0.0)
         if moment is None:
             return Figures(middle, 'not enough samples yet')
         speed = window.values[SPEED][window.time >= lead]
@@ -175,6 +176,8 @@ class Observer:
             return Figures(middle, 'reversal or standstill within the window')
         if math.isnan(moment.flow) and self._before:
             return Figures(middle, NEITHER)
+        if self._before and self._doubt is None:
+            return Figures(middle, 'not enough samples yet')
         displacement = self.model.motor_displacement
         found, reason = measured(moment, displacement, self.settings.limits)
         if found is None:
@@ -203,7 +206,12 @@ class Observer:
         return Watched(end, '', self.watch.add(block), *self._losses(block))
 
     def _losses(self, block: Block) -> tuple[Resistances | None, str]:
-        samples = block.samples
+        samples, delivered = block.samples, block.residuals.get('pump_flow')
+        if delivered:
+            # As well as the unit's sheet tells all before the hydromotor.
+            self._doubt = math.hypot(*(
+                slope * self.balances.spread[key] for key, slope in delivered.moved_by.items()
+                if not key.startswith(('motor.', 'gear.', 'sensor.'))))
         speed = samples.mean(samples.known.get('true', samples.known)[SPEED])
         at = losses(self.model, samples.known, speed)
         flow, torque = lost(samples.residuals, at)

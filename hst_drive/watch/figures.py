@@ -116,7 +116,7 @@ def _parabola(at: np.ndarray) -> np.ndarray:
 
 
 def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
-              lead: float = 0.0) -> Moment | None:
+              lead: float = 0.0, doubt: float = 0.0) -> Moment | None:
     """
     Return the motor at ``stamp``; None if samples are too few.
 
@@ -133,6 +133,8 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
         Half the width of the smoothing of pressure and speed, s.
     lead : float
         From the window's start on in which lags settle, s.
+    doubt : float
+        Standard uncertainty of the pump's delivery where it stands for a flow meter, m^3/s.
 
     """
     middle = (stamp - window.start) * 1e-9
@@ -166,13 +168,7 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
              left * noise_of(rig, FLOW), left * noise_of(rig, SPEED),
              math.hypot(left * noise_of(rig, torque),
                         left_rate * model.inertia * noise_of(rig, SPEED)))
-    unsure = None
-    if not ('motor_flow' in samples.residuals and at.side > 0.0):
-        # As well as the unit's sheet tells all before the hydromotor.
-        unsure = math.hypot(*(
-            sigma * samples.by_factor(key).get('pump_flow', 0.0)
-            for key, sigma in rig.scatter.items() if not key.startswith(('motor.', 'gear.'))
-        )) / abs(flow)
+    unsure = None if 'motor_flow' in samples.residuals and at.side > 0.0 else doubt / abs(flow)
     return Moment(stamp, pressure, flow, speed, made - missing, displacement * speed + into * leak,
                   made, noise, unsure, len(gauges))
 

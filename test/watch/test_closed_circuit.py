@@ -24,7 +24,7 @@ NOISE = {'motor_speed': 0.03 * math.pi / 30.0, 'motor_torque': 10.0, 'line_a_pre
 
 
 def recorded(command, load, effects=None, begin=0.0, seed=0):
-    """Return what sensors would tell of a drive at a command (V) and a torque of the load (N.m)."""
+    """Return what sensors would tell of a drive at a command (V) and a load's torque (N.m)."""
     time = np.arange(len(command)) / RATE
     sound, later = CircuitModel(RIG), CircuitModel(RIG, effects)
     inputs = {'pump_command': command, 'motor_torque': load,
