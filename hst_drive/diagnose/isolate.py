@@ -18,9 +18,9 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import AT_NOISE
 from hst_drive.identify.part import PartCampaign
-from hst_drive.measure.balances import Balance
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
+from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -113,7 +113,7 @@ def _read(entry: Balance, in_circuit: bool) -> tuple[str, ...]:
         return {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
                 'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}.get(
                     entry.enters, _PUMP)
-    if any('pump_command' in group for group in entry.needs):
+    if any('pump_command' in need for need in entry.needs):
         return _PUMP
     if entry.enters == 'load':
         return _LOAD

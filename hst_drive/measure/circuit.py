@@ -11,12 +11,13 @@ from __future__ import annotations
 from typing import Any
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import Balance, is_table, lacking
-from hst_drive.measure.circuit_balances import balances_of, SETTLES, tell
+from hst_drive.measure.balances import is_table, lacking
+from hst_drive.measure.circuit_balances import SETTLES, tell
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.circuit_model import CircuitModel
+from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
@@ -42,7 +43,7 @@ class CircuitReplay(PartReplay):
     pressures = ('line_a_pressure', 'line_b_pressure')
 
     def __init__(self, run: Run, model: CircuitModel):
-        self._by_name = balances_of(model.circuit)
+        self._by_name = {entry.name: entry for entry in model.circuit.balances}
         self._judged: dict[str, np.ndarray] = {}
         self._ratio: np.ndarray | None = None
         super().__init__(run, model)
@@ -79,7 +80,7 @@ class CircuitReplay(PartReplay):
         for balance in self._by_name.values():
             missing = lacking(balance, run, model.rig)
             if not missing:
-                found[balance.predicts[0]] = balance.name
+                found[balance.signal] = balance.name
             lacks.append((len(missing), f'{balance.name} lacks {", ".join(missing)}'))
         if not found:
             have = ', '.join(run.channels) or 'none but time'

@@ -1,23 +1,22 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-The balances that a circuit declares, in the form of those of a part (``balances.Balance``).
+What the balances of any circuit predict, for logs and for the watch.
 
 Measured signals stand in the place of the states that they tell; what the equations then say of
-the other signals is compared with those, by logs and by the watch.
+the other signals is compared with those.
 """
 from __future__ import annotations
 
-from functools import lru_cache, partial
 import math
 from typing import Any, Container, Mapping
 
 from hst_drive.effects import catalogue
-from hst_drive.measure.balances import Balance, BALANCES, lacking
+from hst_drive.measure.balances import BALANCES, lacking
 from hst_drive.measure.equations import told, Weak
 from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel
-from hst_drive.model.circuits import Circuit
+from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -33,20 +32,24 @@ Known = Mapping[str, Any]
 def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
     """Return the balances, by id, that some signals close while the drive runs."""
     circuit = circuits.circuit_of(rig)
-    return {entry.id: entry for entry in (
-        BALANCES if circuit is None else balances_of(circuit)).values()
-        if entry.id and not lacking(entry, signals, rig)}
+    declared = circuit.balances if circuit else BALANCES.values()
+    return {entry.id or entry.signal: entry for entry in declared
+            if (entry.id or circuit) and not lacking(entry, signals, rig)}
 
 
-@lru_cache
-def balances_of(circuit: Circuit) -> dict[str, Balance]:
-    """Return the balances of a circuit by name."""
-    instead = tuple(entry.name for entry in circuit.inputs if math.isnan(entry.default))
-    return {entry.name: Balance(
-        entry.name, partial(_signal, entry), (entry.signal,),
-        tuple(tuple(need.split('|')) for need in entry.needs), (), entry.enters, entry.place,
-        entry.formula, swept=bool(entry.per), id=entry.id or entry.signal, reads=instead,
-        parts=entry.parts, sheet=entry.sheet) for entry in circuit.balances}
+def read_instead(model: PartModel) -> tuple[str, ...]:
+    """Return the channels that stand, where they are measured, for what is modelled."""
+    return tuple(entry.name for entry in model.circuit.inputs if math.isnan(entry.default)
+                 ) if isinstance(model, CircuitModel) else ()
+
+
+def predicted(balance: Balance, model: PartModel, known: Known, channels: Known, weak: Weak
+              ) -> Any:
+    """Return what a sensor would read by a balance; ``known`` as of ``told_of``."""
+    if balance.equation:
+        return balance.equation(model, known, channels, weak)
+    assert isinstance(model, CircuitModel)
+    return _by_parts(balance, model, known, channels, weak)
 
 
 def told_of(model: PartModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
@@ -110,9 +113,8 @@ def _earlier(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {name: np.concatenate([row[:1], row]) for name, row in values.items()}
 
 
-def _signal(balance: circuits.Balance, model: CircuitModel, known: Known, channels: Known,
-            weak: Weak) -> Any:
-    """Return what a balance of a circuit predicts, as an equation of a part does."""
+def _by_parts(balance: Balance, model: CircuitModel, known: Known, channels: Known, weak: Weak
+              ) -> Any:
     found, true, parts = known, known['true'], balance.parts
     if any(part.quantity == balance.signal for part in parts) and balance.signal in {
             entry.name for entry in model.circuit.states} & channels.keys():

@@ -16,13 +16,15 @@ from typing import Any
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import (
-    Balance, BALANCES, closed, is_table, TORQUES, what_would_close)
+    BALANCES, closed, is_table, TORQUES, what_would_close)
+from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import PRESSURES, source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.turns import into_step
+from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 import numpy as np
@@ -209,8 +211,8 @@ class PartReplay:
             return float(len(found))
 
         for _ in range(2):
-            found.append(self.place(self.balances[name]).equation(
-                model, known, self._channels, Weak(self.run.time, np.asarray, rate)))
+            found.append(predicted(self.place(self.balances[name]), model, known, self._channels,
+                                   Weak(self.run.time, np.asarray, rate)))
         return float(np.median(np.abs(found[1] - found[0]))), source
 
     def _smooth(self, values: Any, name: str) -> np.ndarray:
@@ -257,8 +259,8 @@ class PartReplay:
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
         known = self._told(model, channels)
-        signals = {name: np.broadcast_to(self.place(balance).equation(
-            model, known, channels, self._weak(name)), len(self.run))
+        signals = {name: np.broadcast_to(predicted(
+            self.place(balance), model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
         return Prediction(signals, np.zeros(len(self.run)))
 

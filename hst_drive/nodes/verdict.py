@@ -15,7 +15,7 @@ from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_prof
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
-    from hst_drive.measure.balances import Balance
+    from hst_drive.model.circuits import Balance
     from hst_drive.watch.naming import Likely
     from hst_drive.watch.watch import Verdict
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import NamedTuple
 
-from hst_drive.measure.circuit_balances import watched
+from hst_drive.measure.circuit_balances import read_instead, watched
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
@@ -93,7 +93,8 @@ class Balances:
     def needed(self) -> tuple[str, ...]:
         """The signals that the balances need, the speed first."""
         return tuple(dict.fromkeys((SPEED, *(
-            name for entry in self.closed.values() for name in entry.channels(self._signals)))))
+            name for entry in self.closed.values() for name in entry.channels(self._signals)),
+            *(name for name in read_instead(self.model) if name in self._signals))))
 
     @cached_property
     def spread(self) -> dict[str, float]:

@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 from typing import Any, Mapping, NamedTuple
 
-from hst_drive.measure.balances import Balance
-from hst_drive.measure.circuit_balances import told_of
+from hst_drive.measure.circuit_balances import predicted, read_instead, told_of
 from hst_drive.measure.equations import Weak
+from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
@@ -104,6 +104,7 @@ class Samples:
     def __init__(self, model: PartModel, balances: Mapping[str, Balance], window: Window,
                  level: np.ndarray, rate: np.ndarray, creeping: float):
         self._model, self._creeping, self._time = model, creeping, window.time
+        self._instead = read_instead(model)
         self._by_effect: dict[tuple, dict[str, float]] = {}
         self._angle = turned(window.time, window.values[SPEED])
         self.level, self.rate = level, rate
@@ -134,7 +135,7 @@ class Samples:
                   known: dict[str, Any]) -> float:
         balance = self._balances[name]
         error = self.mean(channels[balance.channels(channels)[0]]) - self.mean(
-            balance.equation(model, known, channels, self._weak))
+            predicted(balance, model, known, channels, self._weak))
         return error * (self._model.motor_displacement if balance.swept else 1.0)
 
     def drained(self) -> float:
@@ -145,7 +146,7 @@ class Samples:
         """Return how far off a maker's sheet may be on a balance, SI."""
         balance = self._balances[name]
         reading = self._channels[balance.channels(self._channels)[0]]
-        return balance.sheet * abs(self.mean(reading)) * (
+        return 0.0 if balance.equation else balance.sheet * abs(self.mean(reading)) * (
             self._model.motor_displacement if balance.swept else 1.0)
 
     def by_channel(self, channel: str, step: float) -> dict[str, float]:
@@ -154,7 +155,7 @@ class Samples:
         known = self._told(self._model, moved)
         return {name: (self._residual(name, self._model, moved, known) - before) / step
                 for name, before in self.residuals.items()
-                if channel in self._balances[name].channels(moved)}
+                if channel in self._balances[name].channels(moved) or channel in self._instead}
 
     def by_factor(self, key: str) -> dict[str, float]:
         """Return how the residuals move if a unit is off in a quantity, per share of it."""
