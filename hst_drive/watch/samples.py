@@ -99,11 +99,17 @@ class Samples:
     creeping : float
         Speed below which the sense of rotation is not sure, rad/s.
 
+    Attributes
+    ----------
+    backwards : bool
+        Which way it turns.
+
     """
 
     def __init__(self, model: PartModel, balances: Mapping[str, Balance], window: Window,
                  level: np.ndarray, rate: np.ndarray, creeping: float):
         self._model, self._creeping, self._time = model, creeping, window.time
+        self.backwards = bool(level @ window.values[SPEED] < 0.0)
         self._instead = read_instead(model)
         self._by_effect: dict[tuple, dict[str, float]] = {}
         self._angle = turned(window.time, window.values[SPEED])

@@ -4,7 +4,7 @@
 from dataclasses import replace
 import math
 
-from bench.watch import CLOSED, watch_unit
+from bench.watch import CLOSED, reversing, watch_unit
 from hst_drive.losses.efficiency import braking, Limits, performance, reason_not_valid
 from hst_drive.measure.circuit_balances import watched
 from hst_drive.model.circuit_model import CircuitModel
@@ -130,6 +130,15 @@ def test_what_comes_is_alarmed_and_named(effect, size, balance):
     assert alarms and balance in alarms[0] and effect in alarms[0]
     block = int(alarms[0].partition('block ')[2].partition(':')[0])
     assert 75 < block < 110         # seconds in which a line is under pressure
+
+
+@pytest.mark.needs_numba
+def test_a_constant_torque_is_named_once_the_drive_has_turned_both_ways():
+    pieces = list(reversing(RIG, 21, 2.0, {'constant_torque': {'torque': 200.0}}, begin=1.0))
+    *_, seen = told({name: np.concatenate([piece[name] for piece in pieces]) for name in CLOSED})
+    named = [[entry.effect for entry in each.verdict.effects] for each in seen
+             if each.verdict and each.verdict.failing]
+    assert 'constant_torque' not in named[0] and named[-1][0] == 'constant_torque'
 
 
 @pytest.mark.needs_numba
