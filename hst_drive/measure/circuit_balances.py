@@ -21,6 +21,7 @@ from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
+_STEP = 0.5         # of the actuator's lag, while the drive runs
 SETTLES = 2.0       # s before the first row in which the actuator settles on its command
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
@@ -55,13 +56,14 @@ def predicted(balance: Balance, model: PartModel, known: Known, channels: Known,
 def told_of(model: PartModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
             creeping: float, angle: np.ndarray | None) -> dict[str, Any]:
     """Return what the equations of any circuit may read, or say; see ``told``, ``tell``."""
-    return tell(model, channels, time, angle) if isinstance(model, CircuitModel) else told(
-        model, channels, creeping, angle)
+    if not isinstance(model, CircuitModel):
+        return told(model, channels, creeping, angle)
+    return tell(model, channels, time, angle, max_step=_STEP * model.steps[1])
 
 
 def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
          angle: np.ndarray | None = None, behind: np.ndarray | float = 0.0,
-         before: float = SETTLES) -> dict[str, Any]:
+         before: float = SETTLES, max_step: float | None = None) -> dict[str, Any]:
     """
     Return what the equations say with all measured states in place.
 
@@ -79,6 +81,8 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
         By how much the shaft is ahead of the reading of its speed, rad/s.
     before : float
         How long (s) before the first row what is not told settles.
+    max_step : float, optional
+        Longest integration step, s.
 
     Returns
     -------
@@ -101,7 +105,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
             known['motor_angle'] = angle
         # A row before the first one, from which what is not told settles.
         found = model.run(np.concatenate([[time[0] - before], time]), _earlier(true),
-                          _earlier(known))
+                          _earlier(known), max_step=None if free else max_step)
         return {name: values[1:] for name, values in found.items()}
 
     return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'behind': behind,

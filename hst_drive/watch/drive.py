@@ -8,20 +8,23 @@ from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.measure.run import CHANNELS
+from hst_drive.model.circuit_code import compiles
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.characteristic import Characteristic, Resistances
 from hst_drive.watch.figures import (
-    INLET, losses, lost, measured, modelled, moment_of, signals_for, TEMPERATURE, uncertainty)
+    INLET, losses, lost, measured, modelled, moment_of, signals_for, switched, TEMPERATURE,
+    uncertainty)
 from hst_drive.watch.naming import Signatures
 from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
 from hst_drive.watch.samples import Accuracy, SPEED
-from hst_drive.watch.stream import BILLION, Stream
+from hst_drive.watch.stream import BILLION, Stream, Window
 from hst_drive.watch.watch import Verdict, Watch
 
 _NARROW = 0.04      # s: half the smoothing of pressure and speed
+_COMPILED, _PLAIN = 100.0, 20.0     # Hz: rows at which a circuit is evaluated
 _WORDS = {'pump_outlet_pressure': 'pressure', 'motor_inlet_flow': 'flow', SPEED: 'speed',
           'load_torque': 'load torque'}
 
@@ -166,7 +169,9 @@ class Observer:
                 _WORDS.get(name, CHANNELS[name].title) for name in missing))
         here = [name for name in self._optional if name not in self._of_figures
                 and not self._stream.missing((name,), begin, now)]
-        window = self._stream.window((*self._of_figures, *here), begin, end)
+        window = self._window((*self._of_figures, *here), begin, end)
+        if switched(window.values):
+            return Figures(middle, 'the hydromotor stands on its second displacement')
         lead = self._before / BILLION
         moment = moment_of(window, middle, self.model, _NARROW, lead, self._doubt or 0.0)
         if moment is None:
@@ -187,6 +192,12 @@ class Observer:
         return Figures(middle, '', found, modelled(moment, displacement),
                        uncertainty(moment, found, displacement, self.settings.accuracy))
 
+    def _window(self, names: tuple[str, ...], start: int, end: int) -> Window:
+        window = self._stream.window(names, start, end)
+        # A circuit's equations go from row to row: not compiled they take 70 us each.
+        return window if self.rig.circuit == OPEN else window.thinned(
+            _COMPILED if compiles() else _PLAIN)
+
     def _watched(self, start: int, end: int) -> Watched:
         came = tuple(name for name in self.signals if self._stream.newest(name) is not None)
         if set(came) != set(self._came):
@@ -199,11 +210,12 @@ class Observer:
             return Watched(end, f'no {" and no ".join(missing)}')
         here = [name for name in self._optional if name not in names
                 and not self._stream.missing((name,), start - self._lead, end)]
-        block = self.balances.of(
-            self._stream.window((*names, *here), start - self._lead, end), start, end)
+        window = self._window((*names, *here), start - self._lead, end)
+        block = self.balances.of(window, start, end)
         if isinstance(block, str):
             return Watched(end, block)
-        return Watched(end, '', self.watch.add(block), *self._losses(block))
+        return Watched(end, '', self.watch.add(block), *(
+            (None, 'second displacement') if switched(window.values) else self._losses(block)))
 
     def _losses(self, block: Block) -> tuple[Resistances | None, str]:
         samples, delivered = block.samples, block.residuals.get('pump_flow')

@@ -99,6 +99,11 @@ def lost(found: dict[str, float], at: Losses) -> tuple[float, float]:
     return -at.side * found.get('pump_flow', math.nan), missing
 
 
+def switched(values: dict[str, np.ndarray]) -> bool:
+    """Say whether the hydromotor stands on its second displacement, which no figure knows."""
+    return bool(np.any(values.get('motor_displacement_command', 0.0) > 5.0))
+
+
 def signals_for(rig: Rig, signals: tuple[str, ...]) -> tuple[str, ...]:
     """Return the signals that the figures need, the speed first."""
     if rig.circuit == OPEN:
@@ -161,7 +166,7 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
     into = math.copysign(1.0, pressure)
     flow = displacement * speed + into * (leak + excess)
     left, left_short, left_rate = (
-        math.sqrt(float(weight @ weight)) for weight in (level, short, rate))
+        math.sqrt(float(weight @ weight) / window.samples) for weight in (level, short, rate))
     gauges = [name for name in (PRESSURE, *LINES) if name in window.values]
     torque = next(name for name in ('motor_torque', TORQUE) if name in window.values)
     noise = (left_short * math.hypot(*(noise_of(rig, name) for name in gauges)),

@@ -128,7 +128,7 @@ class Balances:
         samples = Samples(self.model, self.closed, window, level, rate, self._creeping)
         if not samples.residuals:
             return NEITHER
-        left = float(np.sqrt(level @ level))
+        left = float(np.sqrt(level @ level / window.samples))
         parts: dict[str, dict[str, float]] = {name: {} for name in samples.residuals}
         noise = dict.fromkeys(parts, 0.0)
         for channel in self.needed:
