@@ -4,21 +4,25 @@
 How often the watch alarms although nothing is missing: hours of drilling, simulated.
 
     python -m bench.watch --hours 120
+    python -m bench.watch --hours 10 --rig config/rig/closed_rig.yaml
 
 Every half hour another unit drills: tolerances and sensor offsets drawn as the rig file and the
 accuracies say, the load a new rock every few seconds with roughness, the speed held loosely so
-that it wanders. The watch starts anew with each unit, so its learning is part of the test.
+that it wanders. A closed circuit turns forwards and backwards by turns. The watch starts anew with
+each unit, so its learning is part of the test.
 """
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
 from dataclasses import replace
+import math
 import time
 
 from hst_drive.model import Drive, SensorBank
+from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.steady import operating_point
-from hst_drive.rig import default_rig, Rig
+from hst_drive.rig import default_rig, load_rig, Rig
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.figures import Accuracy, FLOW, PRESSURE, SPEED, TORQUE
 from hst_drive.watch.naming import Signatures
@@ -29,6 +33,8 @@ import numpy as np
 from scipy.signal import lfilter
 
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW, 'pump_command', 'pprv_command', 'oil_temperature')
+CLOSED = (SPEED, 'motor_torque', 'line_a_pressure', 'line_b_pressure', 'charge_pressure',
+          'pump_command', 'oil_temperature')
 _RATE = 100
 _SECOND = 1_000_000_000     # ns
 _PIECE = 20.0       # s between two corrections of the command
@@ -83,6 +89,33 @@ def drilling(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0
         clock += _PIECE
 
 
+def reversing(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0
+              ) -> Iterator[dict[str, np.ndarray]]:
+    """Yield the same of a closed circuit: a piece forwards, a piece backwards."""
+    random = np.random.default_rng(seed)
+    factors, _ = unit(rig, random)
+    drive, later = (CircuitModel(rig, found, factors) for found in (None, effects))
+    offsets = {name: size * random.standard_normal() for name, size in zip(
+        CLOSED, (0.0, Accuracy().torque, *3 * (Accuracy().pressure,), 0.0, 0.0))}
+    bank = SensorBank(replace(rig, effects={}), seed)
+    state, memory = drive.at_rest(), np.full(drive.circuit.memory, math.nan)
+    count, warm, way = round(_PIECE * _RATE), random.uniform(-4, 4), 1.0
+    within = np.arange(count + 1) / _RATE
+    moving = np.clip(np.minimum(within, _PIECE - within) / 2.0, 0.0, 1.0)
+    ideal = rig.cross_port_relief.set_pressure * rig.motor.displacement
+    for piece in range(round(minutes * 60 / _PIECE)):
+        rock = np.minimum((within / random.uniform(2, 12)).astype(int), 9)
+        load = random.uniform(0.05, 0.4, 10)[rock] * ideal * moving
+        inputs = {'motor_torque': way * load, 'pump_command': way * (
+            0.9 + (random.uniform(2.0, 6.0) + 0.2 * np.sin(within)) * moving),
+            'oil_temperature': np.full(count + 1, rig.characterised_at + warm)}
+        model = drive if piece * _PIECE < 60 * begin else later
+        exact = {**model.run(piece * _PIECE + within, inputs, {}, state, memory=memory), **inputs}
+        readings = bank.read({name: exact[name] for name in rig.sensors if name in exact})
+        yield {name: ({**exact, **readings}[name] + offsets[name])[:-1] for name in CLOSED}
+        way = -way
+
+
 def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 0.0,
                judged: Rig | None = None) -> tuple[int, list[str]]:
     """
@@ -91,13 +124,14 @@ def watch_unit(rig: Rig, seed: int, minutes: float, effects=None, begin: float =
     It drills as drawn from ``rig`` and is judged by that, or by ``judged``.
     """
     judged = judged or rig
-    balances = Balances(judged, SIGNALS)
-    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(judged))
+    closed = rig.circuit == 'closed'
+    balances = Balances(judged, CLOSED if closed else SIGNALS)
+    watch = Watch(Calibration(balances.spread, balances.correlation), Signatures(balances.model))
     alarms: list[str] = []
     held: dict[str, np.ndarray] | None = None
     before: tuple[str, ...] = ()
     second = 0
-    for piece in drilling(rig, seed, minutes, effects, begin):
+    for piece in (reversing if closed else drilling)(rig, seed, minutes, effects, begin):
         first = 0 if held is None else round(LEAD * _RATE)
         held = piece if held is None else {
             name: np.concatenate([held[name][-first:], values]) for name, values in piece.items()}
@@ -126,8 +160,10 @@ def main() -> int:
     parser.add_argument('--hours', type=float, default=120.0)
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--minutes', type=float, default=30.0, help='per unit')
+    parser.add_argument('--rig', help='file of a closed circuit; without it the test rig')
     args = parser.parse_args()
-    rig, blocks, alarms, units = default_rig(), 0, [], 0
+    rig = load_rig(args.rig) if args.rig else default_rig()
+    blocks, alarms, units = 0, [], 0
     began = time.monotonic()
     while blocks < args.hours * 3600:
         done, found = watch_unit(rig, args.seed + units, args.minutes)

@@ -165,6 +165,9 @@ TOPICS: dict[str, Topic] = {entry.name: entry for entry in (
     _residual('load_torque', 'N.m', 'load torque', 'motor'),
     _residual('pump_displacement', 'm^3/rad', 'pump stroke', 'pump', on=False),
     _residual('case_drain_flow', 'm^3/s', 'case drain flow', 'motor_case', on=False),
+    _residual('line_a_pressure', 'Pa', 'pressure of line A, the low one', 'line_a', on=False),
+    _residual('line_b_pressure', 'Pa', 'pressure of line B, the low one', 'line_b', on=False),
+    _residual('charge_pressure', 'Pa', 'charge pressure', 'charge', on=False),
     _residual('line_pressure', 'Pa', 'pressure drop of the line', 'motor_inlet', on=False),
     Topic('verdict', JOINT_STATE, 'motor', 'estimator', ()),
     Topic('oil_temperature_command', TEMPERATURE, 'oil', 'load_profile', (
@@ -194,11 +197,13 @@ _WORDS = {'emergency_stop': 'true stops the drive; stays until a reset',
 WITH_READING: dict[str, str] = {
     'external_leakage_resistance': 'case_drain_flow',
     'internal_leakage_resistance': 'case_drain_flow',
-    'pump_displacement_residual': 'pump_displacement',
-    'case_drain_flow_residual': 'case_drain_flow',
+    'motor_flow_residual': 'motor_inlet_flow',
+    **{f'{name}_residual': name for name in (
+        'pump_displacement', 'case_drain_flow', 'line_a_pressure', 'line_b_pressure',
+        'charge_pressure')},
     'line_pressure_residual': 'motor_inlet_pressure',
 }
-"""Topics of the estimator that come with a reading which is off by default."""
+"""Topics of the estimator that come with a reading which may be off."""
 
 CHANNEL_FIELDS: dict[str, tuple[Topic, Field]] = {
     field.channel: (topic, field)

@@ -18,7 +18,6 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import AT_NOISE
 from hst_drive.identify.part import PartCampaign
-from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.model.circuits import Balance
@@ -100,27 +99,25 @@ def _parts(campaign: PartCampaign) -> list[Entry]:
     found = {}
     for replay in campaign.replays:
         for signal, balance in replay.balances.items():
-            if isinstance(replay, CircuitReplay):
-                found[signal] = _of_circuit(campaign, replay.place(balance))
-                continue
-            entry = BALANCES[balance]
-            reads = (_PUMP if any('pump_command' in group for group in entry.needs)
-                     else _LOAD if entry.enters == 'load'
-                     else ('motor_inlet_flow', *_TORQUE) if entry.name == 'line' else _TORQUE)
+            entry = replay.place(balance)
+            reads = _read(entry, isinstance(replay, CircuitReplay))
             sign = entry.sign * (displacement if entry.swept else 1.0)
             found[signal] = Entry(entry.place, entry.enters, signal, entry.unit,
                                   {signal: 1.0 / sign}, reads, entry.formula, balance, sign)
     return list(found.values())
 
 
-def _of_circuit(campaign: PartCampaign, balance: Balance) -> Entry:
-    """Return the place of a circuit's balance."""
-    reads = {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
-             'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}
-    sign = campaign.drive.parameter(balance.per) if balance.per else 1.0
-    return Entry(balance.place, balance.enters, balance.signal, balance.unit,
-                 {balance.signal: 1.0 / sign}, reads.get(balance.enters, _PUMP), balance.formula,
-                 balance.name, sign)
+def _read(entry: Balance, in_circuit: bool) -> tuple[str, ...]:
+    """Return what a missing term of a balance may depend on."""
+    if in_circuit:
+        return {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
+                'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}.get(
+                    entry.enters, _PUMP)
+    if any('pump_command' in need for need in entry.needs):
+        return _PUMP
+    if entry.enters == 'load':
+        return _LOAD
+    return ('motor_inlet_flow', *_TORQUE) if entry.name == 'line' else _TORQUE
 
 
 def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]:

@@ -126,6 +126,19 @@ def performance(pressure, flow, speed, load_torque, displacement) -> Performance
                        lost_flow, lost_torque, lost_share)
 
 
+def braking(pressure, flow, speed, load_torque, displacement) -> Performance:
+    """
+    Return the figures of merit of a hydromotor that the load drives: it works as a pump.
+
+    Shaft power comes in and hydraulic power goes out (ISO 4391), so ratios are the other way up;
+    signs are those of the driving motor turning forwards: pressure and torque are below 0.
+    """
+    volumetric = flow / (displacement * speed)
+    mechanical = pressure * displacement / load_torque
+    return Performance(volumetric, mechanical, volumetric * mechanical, 1.0 - volumetric,
+                       torque_loss(pressure, load_torque, displacement), 1.0 - mechanical)
+
+
 def predicted(pressure, speed, displacement, leakage, mechanical_efficiency) -> Performance:
     """
     Return the performance that a loss model predicts at a measured pressure and speed.
@@ -165,10 +178,12 @@ def reason_not_valid(pressure, flow, speed, load_torque, limits: Limits = Limits
         return f'no {" and no ".join(missing)}'
     if abs(speed) < limits.speed:
         return f'standstill: speed {speed:.3g} rad/s is below {limits.speed:g} rad/s'
-    if pressure < limits.pressure:
+    if abs(pressure) < limits.pressure:
         return f'pressure {pressure / 1e5:.3g} bar is below {limits.pressure / 1e5:g} bar'
     if abs(flow) < limits.flow or flow * speed <= 0.0:
         return f'flow {flow * 6e4:.3g} L/min does not drive the motor'
-    if load_torque * speed <= 0.0:
+    if pressure < 0.0 <= load_torque * speed:
+        return f'load torque {load_torque:.3g} N m does not drive the motor that brakes'
+    if load_torque * speed <= 0.0 < pressure:
         return f'load torque {load_torque:.3g} N m drives the motor'
     return ''

@@ -3,11 +3,12 @@
 """Which balances a log of a part closes, and which channels would close one."""
 from __future__ import annotations
 
-from typing import Any, Callable, Container, NamedTuple
+from typing import Any, Callable, Container
 
 from hst_drive.measure import equations
 from hst_drive.measure.equations import PRESSURES
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
+from hst_drive.model.circuits import Balance
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -21,78 +22,53 @@ FIXED_PUMP = 'pump.max_displacement_cc_rev'
 _STROKES = ('pump_command', 'pump_displacement', FIXED_PUMP)
 
 
-class Balance(NamedTuple):
-    """
-    A balance: what it predicts, by which equation, and what that takes.
-
-    ``predicts`` and each entry of ``needs`` are alternatives; ``rig`` are the numbers that the
-    rig file must give, ``without`` channels that make another balance the better one. ``enters``
-    and ``place`` say what is missing where it does not close, ``sign`` times its error, per
-    displacement of the hydromotor where ``swept``; ``formula`` which formula can carry it.
-    ``id`` is the word by which it is watched while the drive runs; without one it is not.
-    """
-
-    name: str
-    equation: Callable[..., Any]
-    predicts: tuple[str, ...]
-    needs: tuple[tuple[str, ...], ...]
-    rig: tuple[str, ...]
-    enters: str
-    place: str
-    formula: str = ''
-    sign: float = 1.0
-    swept: bool = False
-    without: tuple[str, ...] = ()
-    id: str = ''
-
-    @property
-    def unit(self) -> str:
-        """SI unit of what is missing."""
-        return 'm^3/s' if self.swept else CHANNELS[self.predicts[0]].unit
-
-    def channels(self, present: Container[str]) -> tuple[str, ...]:
-        """Return what it goes by: those of its alternatives that are present, the signal first."""
-        return tuple(dict.fromkeys(name for group in (self.predicts, *self.needs)
-                                   for name in group if name in present))
-
-
-_SPEED, _FLOW, _DISPLACEMENT = ('motor_speed',), ('motor_inlet_flow',), (
-    'motor.displacement_cc_rev',)
-_DRIVEN, _BEFORE = ('pump_speed', 'pump.shaft_speed_rpm'), PRESSURES[::-1]
+_INLET, _OUTLET = '|'.join(PRESSURES), '|'.join(PRESSURES[::-1])
+_DRIVEN, _STROKE = 'pump_speed|pump.shaft_speed_rpm', '|'.join(_STROKES)
+_SPEED, _FLOW = 'motor_speed', 'motor_inlet_flow'
+_DISPLACEMENT = ('motor.displacement_cc_rev',)
 _SWALLOWED, _PUMPED = 'oil that turns the hydromotor', 'oil delivered by the pump'
+_BY_MOTOR, _BY_PUMP = 'formula_motor_flow', 'formula_pump_flow'
+
+
+def _balance(name: str, equation: Callable[..., Any], signal: str, needs: tuple[str, ...],
+             rig: tuple[str, ...], enters: str, place: str, formula: str = '', **more: Any
+             ) -> Balance:
+    return Balance(name, signal, enters, place, (), needs, formula, equation=equation, rig=rig,
+                   **more)
+
+
 BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
-    Balance('hydromotor torque', equations.hydromotor_torque, TORQUES, (PRESSURES, _SPEED),
-            _DISPLACEMENT, 'torque', 'torque of the hydromotor', 'formula_torque',
-            id='motor_torque'),
-    Balance('mass', equations.mass, ('motor_torque',), (_SPEED,), ('motor.inertia_total_kg_m2',),
-            'torque', 'torque on the mass', 'formula_torque', -1.0, without=PRESSURES),
-    Balance('load torque', equations.load, ('load_torque',), (('pprv_command',), _SPEED),
-            ('loading',), 'load', 'load torque', 'formula_load', id='load_torque'),
-    Balance('pump stroke', equations.stroke, ('pump_displacement',), (('pump_command',),),
-            ('pump.displacement_vs_command',), 'pump_actuator', 'displacement of the pump',
-            id='pump_displacement'),
-    Balance('pump flow', equations.pump_flow, _FLOW, (_BEFORE, _DRIVEN, _STROKES), ('pump',),
-            'flow', _PUMPED, 'formula_pump_flow', id='pump_flow'),
-    Balance('pump torque', equations.pump_torque, ('pump_torque',), (_BEFORE, _STROKES),
-            ('pump',), 'torque', 'torque of the pump'),
-    Balance('pump power', equations.pump_power, ('pump_power',), (_BEFORE, _DRIVEN, _STROKES),
-            ('pump',), 'torque', 'power of the pump'),
-    Balance('hydromotor flow', equations.hydromotor_flow, _FLOW, (PRESSURES, _SPEED),
-            _DISPLACEMENT, 'flow', _SWALLOWED, 'formula_motor_flow', -1.0, id='motor_flow'),
-    Balance('hydromotor speed', equations.hydromotor_speed, _SPEED, (PRESSURES, _FLOW),
-            _DISPLACEMENT, 'flow', _SWALLOWED, 'formula_motor_flow', swept=True),
-    Balance('flow through both', equations.flow_through_both, _SPEED,
-            (_BEFORE, _DRIVEN, _STROKES[:2]), _DISPLACEMENT, 'flow', _PUMPED,
-            'formula_pump_flow', swept=True, without=_FLOW),
-    Balance('case drain', equations.case_drain, ('case_drain_flow',), (PRESSURES, _SPEED),
-            ('motor.leakage_L_min',), 'flow', _SWALLOWED, 'formula_motor_flow', -1.0,
-            id='case_drain_flow'),
-    Balance('return line', equations.return_line, ('motor_outlet_pressure',),
-            (PRESSURES, _SPEED), _DISPLACEMENT, 'torque', 'return line'),
-    Balance('line', equations.line, ('pump_outlet_pressure',), (('motor_inlet_pressure',),),
-            ('line',), 'torque', 'pressure lost in the line', id='line_pressure'),
+    _balance('hydromotor torque', equations.hydromotor_torque, '|'.join(TORQUES),
+             (_INLET, _SPEED), _DISPLACEMENT, 'torque', 'torque of the hydromotor',
+             'formula_torque', id='motor_torque'),
+    _balance('mass', equations.mass, 'motor_torque', (_SPEED,), ('motor.inertia_total_kg_m2',),
+             'torque', 'torque on the mass', 'formula_torque', sign=-1.0, without=PRESSURES),
+    _balance('load torque', equations.load, 'load_torque', ('pprv_command', _SPEED),
+             ('loading',), 'load', 'load torque', 'formula_load', id='load_torque'),
+    _balance('pump stroke', equations.stroke, 'pump_displacement', ('pump_command',),
+             ('pump.displacement_vs_command',), 'pump_actuator', 'displacement of the pump',
+             id='pump_displacement'),
+    _balance('pump flow', equations.pump_flow, _FLOW, (_OUTLET, _DRIVEN, _STROKE), ('pump',),
+             'flow', _PUMPED, _BY_PUMP, id='pump_flow'),
+    _balance('pump torque', equations.pump_torque, 'pump_torque', (_OUTLET, _STROKE),
+             ('pump',), 'torque', 'torque of the pump'),
+    _balance('pump power', equations.pump_power, 'pump_power', (_OUTLET, _DRIVEN, _STROKE),
+             ('pump',), 'torque', 'power of the pump'),
+    _balance('hydromotor flow', equations.hydromotor_flow, _FLOW, (_INLET, _SPEED),
+             _DISPLACEMENT, 'flow', _SWALLOWED, _BY_MOTOR, sign=-1.0, id='motor_flow'),
+    _balance('hydromotor speed', equations.hydromotor_speed, _SPEED, (_INLET, _FLOW),
+             _DISPLACEMENT, 'flow', _SWALLOWED, _BY_MOTOR, swept=True),
+    _balance('flow through both', equations.flow_through_both, _SPEED,
+             (_OUTLET, _DRIVEN, '|'.join(_STROKES[:2])), _DISPLACEMENT, 'flow', _PUMPED, _BY_PUMP,
+             swept=True, without=(_FLOW,)),
+    _balance('case drain', equations.case_drain, 'case_drain_flow', (_INLET, _SPEED),
+             ('motor.leakage_L_min',), 'flow', _SWALLOWED, _BY_MOTOR, sign=-1.0,
+             id='case_drain_flow'),
+    _balance('return line', equations.return_line, 'motor_outlet_pressure', (_INLET, _SPEED),
+             _DISPLACEMENT, 'torque', 'return line'),
+    _balance('line', equations.line, 'pump_outlet_pressure', ('motor_inlet_pressure',),
+             ('line',), 'torque', 'pressure lost in the line', id='line_pressure'),
 )}
-WATCHED = {entry.id: entry for entry in BALANCES.values() if entry.id}
 
 
 def closed(run: Run, rig: Rig) -> dict[str, str]:
@@ -104,7 +80,7 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for balance in BALANCES.values():
-        if _missing(balance, run, rig):
+        if lacking(balance, run, rig):
             continue
         signal = balance.channels(run)[0]
         if balance.name == 'hydromotor speed' and found.get('motor_inlet_flow') != 'pump flow':
@@ -118,11 +94,6 @@ def closed(run: Run, rig: Rig) -> dict[str, str]:
     return found
 
 
-def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
-    """Return the balances, by id, that some signals close while the drive runs."""
-    return {name: entry for name, entry in WATCHED.items() if not _missing(entry, signals, rig)}
-
-
 def _returns(run: Run) -> bool:
     """Say whether the outlet is a return line: none that drives, nor one that is an inlet, too."""
     inlet = next(run[name] for name in PRESSURES if name in run)
@@ -131,10 +102,10 @@ def _returns(run: Run) -> bool:
     return float(np.mean(backwards | (outlet > inlet))) < _SELDOM
 
 
-def _missing(balance: Balance, run: Container[str], rig: Rig) -> list[str]:
+def lacking(balance: Balance, run: Container[str], rig: Rig) -> list[str]:
     """Return what a balance lacks, as texts; empty if it is closed."""
     lacks = []
-    for group in (balance.predicts, *balance.needs):
+    for group in balance.groups:
         if not any(name in run or ('.' in name and _given(rig, name)) for name in group):
             lacks.append(' or '.join(name for name in group if '.' not in name))
     if any(name in run for name in balance.without) and not lacks:
@@ -157,7 +128,7 @@ def what_would_close(run: Run, rig: Rig) -> str:
     """Return the line for a log that closes no balance."""
     texts = []
     for balance in BALANCES.values():
-        lacks = _missing(balance, run, rig)
+        lacks = lacking(balance, run, rig)
         present = len(balance.needs) + 1 - sum("'" not in text for text in lacks)
         if balance.name in ('hydromotor torque', 'hydromotor flow', 'pump flow', 'mass'):
             texts.append((-present, len(lacks), f'{balance.name} lacks {", ".join(lacks)}'))

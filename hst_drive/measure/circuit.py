@@ -8,29 +8,25 @@ the weak form that ``PartReplay`` has for rates.
 """
 from __future__ import annotations
 
-from hst_drive.effects import catalogue
+from typing import Any
+
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import is_table
+from hst_drive.measure.balances import is_table, lacking
+from hst_drive.measure.circuit_balances import SETTLES, tell
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
-from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.circuit_model import CircuitModel
-from hst_drive.model.circuits import Balance, Part
+from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
-_SETTLES = 2.0      # s before the first row in which the actuator settles on its command
 _CHANGES = 0.1      # s before and after what a balance hangs on that are not judged
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SIZE = 95.0        # percentile of a reading's size
 _SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
-# Sensors that are off: the slot of the term by the signal that it is added to.
-_READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
-             'motor_inlet_flow': ('flow_reading', 'flow'),
-             'motor_torque': ('torque_reading', 'load_torque')}
 
 
 class CircuitReplay(PartReplay):
@@ -47,8 +43,7 @@ class CircuitReplay(PartReplay):
     pressures = ('line_a_pressure', 'line_b_pressure')
 
     def __init__(self, run: Run, model: CircuitModel):
-        self._by_name: dict[str, Balance] = {
-            entry.name: entry for entry in model.circuit.balances}
+        self._by_name = {entry.name: entry for entry in model.circuit.balances}
         self._judged: dict[str, np.ndarray] = {}
         self._ratio: np.ndarray | None = None
         super().__init__(run, model)
@@ -65,8 +60,8 @@ class CircuitReplay(PartReplay):
         known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
         if moved in known:
             return {}
-        settled, at_rest = (self._evaluated(model, known, before=before)[moved]
-                            for before in (_SETTLES, 1e-3 * _SETTLES))
+        settled, at_rest = (self._told(model, known, before)[moved]
+                            for before in (SETTLES, 1e-3 * SETTLES))
         late, found = np.interp(time - _SMALL * model.steps[1], time, settled), []
         for values in (settled, late, at_rest):
             self._channels = {**known, moved: values}
@@ -82,9 +77,8 @@ class CircuitReplay(PartReplay):
                 f'{run.source}: its rows are operating points, {run.sample_time:.3g} s apart; '
                 f"'circuit: {model.circuit.id}' needs a recording with 20 rows a second or more")
         found, lacks = {}, []
-        for balance in model.circuit.balances:
-            missing = [need.replace('|', ' or ') for need in (balance.signal, *balance.needs)
-                       if not any(name in run for name in need.split('|'))]
+        for balance in self._by_name.values():
+            missing = lacking(balance, run, model.rig)
             if not missing:
                 found[balance.signal] = balance.name
             lacks.append((len(missing), f'{balance.name} lacks {", ".join(missing)}'))
@@ -126,7 +120,7 @@ class CircuitReplay(PartReplay):
         part = self._by_name[self.balances[name]].parts[0]
         if not part.state:
             return 0.0, ''
-        found = self._evaluated(model, self._channels)
+        found = self._told(model, self._channels)
         return float(np.median(np.abs(found[part.storage][self._judged[name]]))), part.state
 
     def _width(self, name: str, model: PartModel) -> float:
@@ -145,57 +139,13 @@ class CircuitReplay(PartReplay):
         # Two first-order lags in series: reading + (a + b) reading' + a b reading'' = shaft.
         return (first + second) * rate + first * second * bend
 
-    def _true(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return channels as they are where a sensor reads something else."""
-        true = dict(channels)
-        for name in ('line_a_pressure', 'motor_speed'):
-            if name in true:
-                true[name] = true[name] - self._reading(model, channels, name, true[name])
-        return true
-
-    def _evaluated(self, model: PartModel, true: dict[str, np.ndarray], *,
-                   free: str = '', before: float = _SETTLES) -> dict[str, np.ndarray]:
-        """Return the quantities with all measured states in place but ``free``."""
+    def _told(self, model: PartModel, channels: dict[str, np.ndarray],
+              before: float = SETTLES) -> dict[str, Any]:
         assert isinstance(model, CircuitModel)
         if self._ratio is not None:
-            true = {**true, 'viscosity_ratio': self._ratio}
-        told = {entry.name: true[entry.name] for entry in model.circuit.states
-                if entry.name in true and entry.name != free}
-        if 'motor_angle' in self.inputs:
-            told['motor_angle'] = self.inputs['motor_angle']
-        # A row before the first one, from which what is not told settles.
-        time = np.concatenate([[self.run.time[0] - before], self.run.time])
-        found = model.run(time, _earlier(true), _earlier(told))
-        return {key: values[1:] for key, values in found.items()}
-
-    def predict(self, model: PartModel, extra: dict[str, np.ndarray] | None = None) -> Prediction:
-        """Predict each signal from the others; see ``PartReplay.predict``."""
-        channels = self._channels if extra is None else {
-            name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        true = self._true(model, channels)
-        found = self._evaluated(model, true)
-        signals = {}
-        for signal, name in self.balances.items():
-            quantities = found
-            if any(part.quantity == signal and signal in channels
-                   for part in self._by_name[name].parts) and signal in {
-                       entry.name for entry in model.circuit.states}:
-                # A state that is measured, too: what it would do by itself.
-                quantities = self._evaluated(model, true, free=signal)
-            value = self._combined(self._by_name[name].parts, quantities, true, signal)
-            signals[signal] = value + self._reading(model, channels, signal, value)
-        return Prediction(signals, np.zeros(len(self.run)))
-
-    def _reading(self, model: PartModel, channels: dict[str, np.ndarray], signal: str,
-                 value: np.ndarray) -> np.ndarray | float:
-        """Return what effects of its sensor add to a signal."""
-        if signal == 'motor_speed':
-            return -self._behind(model, channels)
-        slot, reads = _READINGS.get(signal, ('', ''))
-        if not any(place == slot for name in model.effects
-                   for place, _ in catalogue(everything=True)[name].terms):
-            return 0.0
-        return model.terms(slot, {**model.complete(channels), reads: value})
+            channels = {**channels, 'viscosity_ratio': self._ratio}
+        return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
+                    self._behind(model, channels), before)
 
     def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
@@ -206,27 +156,6 @@ class CircuitReplay(PartReplay):
                 found[name] = float(np.hypot(
                     noise, self._by_name[self.balances[name]].sheet * np.percentile(size, _SIZE)))
         return found
-
-    def _combined(self, parts: tuple[Part, ...], found: dict[str, np.ndarray],
-                  channels: dict[str, np.ndarray], signal: str) -> np.ndarray:
-        chosen = np.zeros(len(self.run), dtype=int)
-        for place, part in enumerate(parts[1:], 1):
-            chosen[found[part.when] >= 1.0] = place
-        value = self._smooth(np.choose(chosen, [found[part.quantity] for part in parts]), signal)
-        stored = np.zeros(len(self.run))
-        for place, part in enumerate(parts):
-            if part.state and part.state in channels:
-                storage = np.where(chosen == place, found[part.storage], 0.0)
-                stored[1:] += np.cumsum(0.5 * (storage[1:] + storage[:-1])
-                                        * np.diff(channels[part.state]))
-        # Summed before it is smoothed: the lines may change their parts at any row.
-        stored += found[parts[0].turns] if parts[0].turns else 0.0
-        return value - self._rate(stored, signal)
-
-
-def _earlier(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return channels with their first row repeated before them."""
-    return {name: np.concatenate([row[:1], row]) for name, row in values.items()}
 
 
 def part_replay(run: Run, model: PartModel) -> PartReplay:

@@ -17,12 +17,14 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import (
     BALANCES, closed, is_table, TORQUES, what_would_close)
+from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import PRESSURES, source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Prediction
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.turns import into_step
+from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 import numpy as np
@@ -126,6 +128,10 @@ class PartReplay:
             raise InputError(what_would_close(run, model.rig))
         return found
 
+    def place(self, name: str) -> Balance:
+        """Return the balance of that name."""
+        return BALANCES[name]
+
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
         return next((float(np.percentile(np.abs(self._channels[name]), _USUAL))
@@ -195,7 +201,7 @@ class PartReplay:
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
         """Return the usual factor on a rate in a balance, and the channel of that rate."""
-        known = told(model, self._channels, self._creeping, self.inputs.get('motor_angle'))
+        known = self._told(model, self._channels)
         source, found = '', []
 
         def rate(values: np.ndarray) -> float:
@@ -205,8 +211,8 @@ class PartReplay:
             return float(len(found))
 
         for _ in range(2):
-            found.append(BALANCES[self.balances[name]].equation(
-                model, known, self._channels, Weak(self.run.time, np.asarray, rate)))
+            found.append(predicted(self.place(self.balances[name]), model, known, self._channels,
+                                   Weak(self.run.time, np.asarray, rate)))
         return float(np.median(np.abs(found[1] - found[0]))), source
 
     def _smooth(self, values: Any, name: str) -> np.ndarray:
@@ -252,11 +258,15 @@ class PartReplay:
         """
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        known = told(model, channels, self._creeping, self.inputs.get('motor_angle'))
-        signals = {name: np.broadcast_to(BALANCES[balance].equation(
-            model, known, channels, self._weak(name)), len(self.run))
+        known = self._told(model, channels)
+        signals = {name: np.broadcast_to(predicted(
+            self.place(balance), model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
         return Prediction(signals, np.zeros(len(self.run)))
+
+    def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+        """Return what the equations may read."""
+        return told(model, channels, self._creeping, self.inputs.get('motor_angle'))
 
     def _weak(self, name: str) -> Weak:
         """Return the weak form in which a signal is compared."""

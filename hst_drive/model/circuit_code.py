@@ -77,6 +77,11 @@ def _listed(name: str, count: int, opened: str = '[') -> str:
     return ''.join(f'{name}{opened}{index}], ' for index in range(count))
 
 
+def compiles() -> bool:
+    """Say whether circuits run compiled, if nothing else is asked."""
+    return have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+
+
 def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = None) -> Running:
     """
     Return the code of a circuit for all effects of the catalogue.
@@ -92,7 +97,7 @@ def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = No
 
     """
     if compiled is None:
-        compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+        compiled = compiles()
     return _code(circuit.id, text_of(circuit), (names, tuple(circuit.tables)),
                  tuple(function.__name__ for function in (*circuit.helpers, *_actuator(circuit))),
                  compiled, edition())

@@ -15,6 +15,7 @@ import math
 from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, READABLE
+from hst_drive.effects.base import OF_OTHER_CIRCUITS
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
@@ -77,7 +78,7 @@ class PartModel:
 
     def enters(self, name: str) -> bool:
         """Say whether an effect has a place in the equations."""
-        return True
+        return catalogue()[name].slot not in OF_OTHER_CIRCUITS
 
     def factor(self, key: str) -> float:
         """Return the factor of this unit on a quantity."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 
-from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS, WITH_READING
+from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
@@ -15,7 +15,7 @@ from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 from hst_drive.watch.characteristic import Estimate, Resistances
 from hst_drive.watch.drive import Figures, Observer, Settings, Watched
-from hst_drive.watch.figures import Accuracy
+from hst_drive.watch.samples import Accuracy
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
 _JOINTS = {'motor': 'joint', 'pump': 'pump_joint'}
@@ -67,8 +67,10 @@ class Estimator(DriveNode):
         # What a map names comes.
         mapped = [CHANNEL_FIELDS[name][0].name for name in CHANNEL_FIELDS
                   if name in self._map.entries]
-        self._extra = (*wiring.readings(settings['extra_topics']), *mapped)
-        self._expected = tuple(name for name in _READ if TOPICS[name].on or name in self._extra)
+        self._extra = (*settings['extra_topics'], *mapped)
+        self._expected = tuple(name for name in _READ if wiring.comes(
+            name, self._extra, rig.circuit))
+        self._circuit = rig.circuit
         # Position of a channel among the fields of its topic.
         self._channels = {name: [(place, field.channel) for place, field in
                                  enumerate(TOPICS[name].fields) if field.channel]
@@ -90,7 +92,7 @@ class Estimator(DriveNode):
         """Open the endpoints."""
         self.publish_to(*(
             name for name, topic in TOPICS.items() if topic.publisher == self.role and topic.fields
-            and (topic.on or WITH_READING.get(name) in self._extra)))
+            and wiring.comes(name, self._extra, self._circuit)))
         self.outputs['verdict'] = verdict.VerdictOutput(self)
         self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
         for name in _READ:
@@ -177,13 +179,14 @@ class Estimator(DriveNode):
         observer = self._observer
         if said.failing:
             message, values = verdict.alarm(said, observer.origin, self.settings['bag'],
-                                            observer.signatures.unseen)
+                                            observer.signatures.unseen, observer.balances.closed)
             if said.failing != self._failing:
                 self.get_logger().warning(message)
             self._tell(stamp, 'watch', verdict.WARN, message, values)
         else:
             self._tell(stamp, 'watch', verdict.OK, 'the model describes the drive', {
-                **verdict.fine(said.levels, said.innovations, observer.watch.blocks),
+                **verdict.fine(said.levels, said.innovations, observer.watch.blocks,
+                               observer.balances.closed),
                 'resistances': watched.why_none or 'valid'})
         self._failing = said.failing
 

@@ -10,12 +10,12 @@ from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
 from hst_drive.effects import catalogue
-from hst_drive.measure.balances import WATCHED
 from hst_drive.nodes.diagnostics import Diagnostics, OK, STALE, WARN
 from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_profile
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
+    from hst_drive.model.circuits import Balance
     from hst_drive.watch.naming import Likely
     from hst_drive.watch.watch import Verdict
 
@@ -94,8 +94,8 @@ def _unit(entry: Likely) -> str:
                 if parameter.name == entry.parameter)
 
 
-def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
-          ) -> tuple[str, dict[str, str]]:
+def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str],
+          watched: Mapping[str, Balance]) -> tuple[str, dict[str, str]]:
     """
     Return message and values of the status for a balance that fails.
 
@@ -109,10 +109,12 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
         Bag that is being recorded, '' if that is not known.
     unseen : sequence of str
         Effects that this watch cannot see.
+    watched : mapping of str to Balance
+        By id.
 
     """
     worst = verdict.failing[0]
-    title, unit = WATCHED[worst].name, WATCHED[worst].unit
+    title, unit = watched[worst].name, watched[worst].unit
     innovation = verdict.innovations.get(worst)
     began = (verdict.began - origin) / BILLION
     size = ''
@@ -122,7 +124,7 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str]
     names = [entry.effect for entry in verdict.effects]
     guess = f'; most likely {" or ".join(names)}' if names else '; no effect that shows here'
     values = {
-        'balances': ', '.join(WATCHED[name].name for name in verdict.failing),
+        'balances': ', '.join(watched[name].name for name in verdict.failing),
         'effects': ', '.join(_effect(entry) for entry in verdict.effects) or 'unknown',
         'trend': ', '.join(filter(None, map(_trend, verdict.effects))) or 'not known yet',
         'explained': ', '.join(f'{100 * entry.explains:.0f} %' for entry in verdict.effects),
@@ -140,8 +142,9 @@ def _stamp(stamp: int) -> str:
     return f'{seconds}.{nanoseconds:09d}'
 
 
-def fine(levels: Mapping[str, float], watched: Iterable[str], seconds: float) -> dict[str, str]:
+def fine(levels: Mapping[str, float], judged: Iterable[str], seconds: float,
+         watched: Mapping[str, Balance]) -> dict[str, str]:
     """Return the values of the status while nothing fails."""
-    return {'watched': ', '.join(WATCHED[name].name for name in watched),
+    return {'watched': ', '.join(watched[name].name for name in judged),
             'watched_for_s': f'{seconds:.0f}',
-            **{f'evidence {WATCHED[name].name}': f'{level:.2f}' for name, level in levels.items()}}
+            **{f'evidence {watched[name].name}': f'{level:.2f}' for name, level in levels.items()}}

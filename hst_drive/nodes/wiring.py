@@ -21,24 +21,29 @@ READS: dict[str, tuple[str, ...]] = {
     'controller': ('motor', 'speed_setpoint', 'manual_pump_command', 'sync'),
     'estimator': ('motor', 'pump_outlet_pressure', 'motor_inlet_flow', 'pump_command',
                   'pprv_command', 'oil_temperature', 'motor_inlet_pressure', 'case_drain_flow',
-                  'pump', 'pump_displacement', 'sync'),
+                  'pump', 'pump_displacement', 'line_a_pressure', 'line_b_pressure',
+                  'charge_pressure', 'motor_torque', 'valve_command', 'pump_torque', 'pump_power',
+                  'motor_displacement_command', 'sync'),
     'recorder': ('sync',),
 }
 """Topics by reader; the recorder reads those that it is asked to record as well."""
 
 
-_LINES = ('line_a_pressure', 'line_b_pressure', 'charge_pressure')
-_LACKS = {'open': _LINES, 'closed': (
-    'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'pprv_command')}
-_ADDS = {'open': (), 'closed': (*_LINES, 'motor_torque')}
-_OFF = {'open': (), 'closed': ('motor_inlet_flow',)}
-CIRCUITS = tuple(_LACKS)
+_LINES = ('line_a_pressure', 'line_b_pressure')
+_OTHERS = ('motor_inlet_pressure', 'motor_outlet_pressure', 'pprv_command', 'load_torque_residual')
+_FLOW = ('motor_inlet_flow', 'motor_flow_residual')
+_LACKS = {'open': (*_LINES, 'charge_pressure'), 'closed': ('pump_outlet_pressure', *_OTHERS),
+          'valve': ('charge_pressure', 'pump_command', *_OTHERS)}
+_ADDS = {'open': (), 'closed': (*_LINES, 'charge_pressure', 'motor_torque'),
+         'valve': (*_LINES, 'motor_torque', 'valve_command')}
+_OFF = {'open': (), 'closed': _FLOW, 'valve': (*_FLOW, 'pump_outlet_pressure')}
+CIRCUITS = ('open', 'closed')
 """Circuits that the nodes can run."""
 
 
 def nodes_of(circuit: str) -> tuple[str, ...]:
     """
-    Return the nodes of a run: the estimator's model is that of the open circuit.
+    Return the nodes of a run.
 
     Raises
     ------
@@ -48,7 +53,14 @@ def nodes_of(circuit: str) -> tuple[str, ...]:
     """
     if circuit not in CIRCUITS:
         raise InputError(f"'circuit: {circuit}': the nodes run {' and '.join(CIRCUITS)}")
-    return tuple(name for name in NODES if circuit == 'open' or name != 'estimator')
+    return NODES
+
+
+def comes(name: str, extra: Iterable[str], circuit: str) -> bool:
+    """Say whether a topic is there in a circuit; ``extra`` as of ``readings``."""
+    return name not in _LACKS[circuit] and (
+        name in (*extra, *_ADDS[circuit]) or TOPICS[name].on and name not in _OFF[circuit]
+        or WITH_READING.get(name) in (*extra, *_ADDS[circuit]))
 
 
 def readings(extra: Iterable[str] = (), circuit: str = 'open') -> tuple[str, ...]:
@@ -75,18 +87,16 @@ def readings(extra: Iterable[str] = (), circuit: str = 'open') -> tuple[str, ...
             near = get_close_matches(name, there, n=1)
             raise InputError(f"topic '{name}' is none of the plant's; " + (
                 f"did you mean '{near[0]}'?" if near else f"it has {', '.join(there)}"))
-    return tuple(name for name in there if name in (*extra, *_ADDS[circuit])
-                 or TOPICS[name].on and name not in _OFF[circuit])
+    return tuple(name for name in there if comes(name, extra, circuit))
 
 
 def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False,
              circuit: str = 'open') -> tuple[str, ...]:
     """Return the names of the topics to record when these nodes run, in the table's order."""
     nodes, sensors = set(nodes), readings(extra, circuit)
-    names = [name for name, topic in TOPICS.items()
-             if topic.publisher in nodes and topic.recorded and name not in _LACKS[circuit]
-             and (name in sensors if topic.publisher == 'plant'
-                  else topic.on or WITH_READING.get(name) in sensors)]
+    names = [name for name, topic in TOPICS.items() if topic.publisher in nodes
+             and topic.recorded and comes(name, sensors, circuit)
+             and (name in sensors or topic.publisher != 'plant')]
     return (*names, *(f'truth/{name}' for name in sensors if truth))
 
 

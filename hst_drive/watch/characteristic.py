@@ -13,8 +13,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from hst_drive.measure.circuit_balances import tell
+from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.part import PartModel
-from hst_drive.watch.figures import Accuracy
+from hst_drive.watch.figures import LINES, losses
+from hst_drive.watch.samples import Accuracy, SPEED
 import numpy as np
 
 _PRESSURE, _SPEED = 10e5, 2.0   # size of a bucket, Pa and rad/s
@@ -103,6 +106,18 @@ class Characteristic:
                           for column in (2, 3, 4)])
         return found * [1.0, 1.0, pressure]
 
+    def _modelled(self, pressure: float, speed: float) -> tuple[float, float]:
+        """Return leakage and torque of the loss model at an operating point."""
+        charge = self._model.rig.charge
+        low = charge.relief_pressure if charge else 0.0
+        known = tell(self._model, {
+            name: np.array([value]) for name, value in zip((*LINES, SPEED), (
+                pressure + low, low, speed))}, np.zeros(1)) if isinstance(
+                    self._model, CircuitModel) else self._model.complete({
+                        SPEED: speed, 'pressure': pressure, 'pump_pressure': pressure})
+        found = losses(self._model, known, speed)
+        return float(np.squeeze(found.leakage)), float(np.squeeze(found.torque))
+
     def resistances(self, pressure: float, speed: float) -> tuple[Resistances | None, str]:
         """Return the loss resistances at an operating point, or None and why there are none."""
         if not pressure > 0.0 or not speed > 0.0:
@@ -112,10 +127,7 @@ class Characteristic:
             return None, (f'not valid yet: {pressure / 1e5:.0f} bar at {speed * 30 / math.pi:.0f} '
                           'rpm have not been visited for long enough')
         displacement, accuracy = self._model.motor_displacement, self._accuracy
-        known = self._model.complete({
-            'motor_speed': speed, 'pressure': pressure, 'pump_pressure': pressure})
-        leak, made = float(self._model.motor_leakage(known)), float(
-            self._model.motor_torque(known))
+        leak, made = self._modelled(pressure, speed)
         excess, missing, drain = (float(value) for value in found)
         lost = leak + excess
         flow, torque = displacement * speed + lost, made - missing

@@ -3,21 +3,28 @@
 """All that is told of a running drive from samples as they come; the node is its shell."""
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance
-from hst_drive.model.part import PartModel
+from hst_drive.measure.run import CHANNELS
+from hst_drive.model.circuit_code import compiles
+from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.characteristic import Characteristic, Resistances
 from hst_drive.watch.figures import (
-    Accuracy, INLET, measured, modelled, moment_of, SIGNALS, SPEED, TEMPERATURE, uncertainty)
+    INLET, losses, lost, measured, modelled, moment_of, signals_for, switched, TEMPERATURE,
+    uncertainty)
 from hst_drive.watch.naming import Signatures
-from hst_drive.watch.residuals import Balances, Block, LEAD
-from hst_drive.watch.stream import BILLION, Stream
+from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
+from hst_drive.watch.samples import Accuracy, SPEED
+from hst_drive.watch.stream import BILLION, Stream, Window
 from hst_drive.watch.watch import Verdict, Watch
 
 _NARROW = 0.04      # s: half the smoothing of pressure and speed
+_COMPILED, _PLAIN = 100.0, 20.0     # Hz: rows at which a circuit is evaluated
 _WORDS = {'pump_outlet_pressure': 'pressure', 'motor_inlet_flow': 'flow', SPEED: 'speed',
           'load_torque': 'load torque'}
 
@@ -69,7 +76,7 @@ class Observer:
     rig : Rig
         Of the drive; the section 'motor' at least.
     signals : tuple of str
-        Channels that will come.
+        Channels that may come: the balances are those that can be closed by what has come.
     settings : Settings
         How to work.
 
@@ -85,23 +92,37 @@ class Observer:
     def __init__(self, rig: Rig, signals: tuple[str, ...], settings: Settings = Settings()):
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
-        self.model = PartModel(rig)
-        self.balances = Balances(rig, signals, settings.accuracy)
-        self.signatures = Signatures(rig)
+        self.model = part_model(rig)
+        self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
-        self._optional = tuple(name for name in (TEMPERATURE, INLET) if name in signals)
+        self._optional = tuple(name for name in (
+            TEMPERATURE, INLET, 'motor_displacement_command') if name in signals)
+        # Without a flow meter the pump tells the flow: its lag has to settle.
+        self._before = 0 if rig.circuit == OPEN else round(LEAD * BILLION)
         self._half = round(0.5 * settings.window * BILLION)
         self._length = round(settings.block * BILLION)
         self._lead = round(LEAD * BILLION)
         memory = LEAD + 2 * settings.block + settings.window + settings.timeout
         self._stream = Stream(self.signals, memory, settings.timeout)
         self._restarts = 0
+        self._hear(signals)
         self._restart()
+
+    def _hear(self, came: tuple[str, ...]) -> None:
+        """Watch what these signals close."""
+        self._came = came
+        self._doubt: float | None = None
+        self.balances = Balances(self.rig, came, self.settings.accuracy)
+        self._of_figures = signals_for(self.rig, came)
+        self._watch()
+
+    def _watch(self) -> None:
+        self.watch = Watch(Calibration(
+            self.balances.spread, self.balances.correlation), self.signatures)
 
     def _restart(self) -> None:
         """Begin anew: nothing is known."""
-        self.watch = Watch(Calibration(
-            self.balances.spread, self.balances.correlation), self.signatures)
+        self._watch()
         self.characteristic = Characteristic(self.model, self.settings.accuracy)
         self.origin: int | None = None
         self._next = self._block = 0
@@ -141,19 +162,27 @@ class Observer:
         return Estimates(figures, watched)
 
     def _figures(self, middle: int, now: int) -> Figures:
-        missing = self._stream.missing(SIGNALS, middle - self._half, now)
+        begin, end = middle - self._half - self._before, middle + self._half + 1
+        missing = self._stream.missing(self._of_figures, begin, now)
         if missing:
-            return Figures(middle, 'no ' + ' and no '.join(_WORDS[name] for name in missing))
-        begin, end = middle - self._half, middle + self._half + 1
-        here = [name for name in self._optional
-                if not self._stream.missing((name,), begin, now)]
-        window = self._stream.window((*SIGNALS, *here), begin, end)
-        moment = moment_of(window, middle, self.model, _NARROW)
+            return Figures(middle, 'no ' + ' and no '.join(
+                _WORDS.get(name, CHANNELS[name].title) for name in missing))
+        here = [name for name in self._optional if name not in self._of_figures
+                and not self._stream.missing((name,), begin, now)]
+        window = self._window((*self._of_figures, *here), begin, end)
+        if switched(window.values):
+            return Figures(middle, 'the hydromotor stands on its second displacement')
+        lead = self._before / BILLION
+        moment = moment_of(window, middle, self.model, _NARROW, lead, self._doubt or 0.0)
         if moment is None:
             return Figures(middle, 'not enough samples yet')
-        speed = window.values[SPEED]
+        speed = window.values[SPEED][window.time >= lead]
         if speed.min() < 0.0 < speed.max():
             return Figures(middle, 'reversal or standstill within the window')
+        if math.isnan(moment.flow) and self._before:
+            return Figures(middle, NEITHER)
+        if self._before and self._doubt is None:
+            return Figures(middle, 'not enough samples yet')
         displacement = self.model.motor_displacement
         found, reason = measured(moment, displacement, self.settings.limits)
         if found is None:
@@ -163,7 +192,16 @@ class Observer:
         return Figures(middle, '', found, modelled(moment, displacement),
                        uncertainty(moment, found, displacement, self.settings.accuracy))
 
+    def _window(self, names: tuple[str, ...], start: int, end: int) -> Window:
+        window = self._stream.window(names, start, end)
+        # A circuit's equations go from row to row: not compiled they take 70 us each.
+        return window if self.rig.circuit == OPEN else window.thinned(
+            _COMPILED if compiles() else _PLAIN)
+
     def _watched(self, start: int, end: int) -> Watched:
+        came = tuple(name for name in self.signals if self._stream.newest(name) is not None)
+        if set(came) != set(self._came):
+            self._hear(came)
         names = self.balances.needed
         if not self.balances.closed:
             return Watched(end, 'the signals close no balance')
@@ -172,17 +210,26 @@ class Observer:
             return Watched(end, f'no {" and no ".join(missing)}')
         here = [name for name in self._optional if name not in names
                 and not self._stream.missing((name,), start - self._lead, end)]
-        block = self.balances.of(
-            self._stream.window((*names, *here), start - self._lead, end), start, end)
+        window = self._window((*names, *here), start - self._lead, end)
+        block = self.balances.of(window, start, end)
         if isinstance(block, str):
             return Watched(end, block)
-        return Watched(end, '', self.watch.add(block), *self._losses(block))
+        return Watched(end, '', self.watch.add(block), *(
+            (None, 'second displacement') if switched(window.values) else self._losses(block)))
 
     def _losses(self, block: Block) -> tuple[Resistances | None, str]:
-        found, known = block.residuals, block.known
-        if not {'motor_flow', 'motor_torque'} <= set(found):
+        samples, delivered = block.samples, block.residuals.get('pump_flow')
+        if delivered:
+            # As well as the unit's sheet tells all before the hydromotor.
+            self._doubt = math.hypot(*(
+                slope * self.balances.spread[key] for key, slope in delivered.moved_by.items()
+                if not key.startswith(('motor.', 'gear.', 'sensor.'))))
+        speed = samples.mean(samples.known.get('true', samples.known)[SPEED])
+        at = losses(self.model, samples.known, speed)
+        flow, torque = lost(samples.residuals, at)
+        if math.isnan(flow + torque):
             return None, 'no flow or no torque'
-        self.characteristic.add(
-            known['pressure'], known[SPEED], found['motor_flow'].value,
-            -found['motor_torque'].value, known.get('case_drain_flow', float('nan')))
-        return self.characteristic.resistances(known['pressure'], known[SPEED])
+        pressure, speed = samples.mean(at.pressure), at.way * speed
+        drain = samples.drained() - samples.mean(at.rest)
+        self.characteristic.add(pressure, speed, flow, torque, drain)
+        return self.characteristic.resistances(pressure, speed)

@@ -14,50 +14,36 @@ has no loss model that is the whole loss.
 """
 from __future__ import annotations
 
+from itertools import chain
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from hst_drive.losses.efficiency import Limits, Performance, performance, reason_not_valid
-from hst_drive.measure.equations import told
+from hst_drive.losses.efficiency import braking, Limits, Performance, performance, reason_not_valid
+from hst_drive.measure.circuit_balances import told_of, watched
+from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
+from hst_drive.watch.samples import Accuracy, bell, noise_of, Samples, SPEED
 from hst_drive.watch.stream import Window
 import numpy as np
 
-PRESSURE, FLOW, SPEED, TORQUE = (
-    'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_torque')
+PRESSURE, FLOW, TORQUE = 'pump_outlet_pressure', 'motor_inlet_flow', 'load_torque'
 INLET, TEMPERATURE = 'motor_inlet_pressure', 'oil_temperature'
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW)
-_LEAST = 5      # samples in a window
-
-
-class Accuracy(NamedTuple):
-    """
-    How far a sensor may be off, noise apart: standard uncertainties.
-
-    The defaults are the motor-loss paper's: pressure 0.25 % of its range, flow 0.5 % of the
-    reading, torque 1 % of 100 N m. The speed is counted.
-    """
-
-    pressure: float = 5e4       # Pa
-    flow: float = 0.005         # of the reading
-    torque: float = 1.0         # N.m
-    speed: float = 0.0          # of the reading
-
-    def of(self, unit: str, reading: float) -> tuple[float, float]:
-        """Return what a sensor of an SI unit may be off, and by how much that moves a reading."""
-        return {'Pa': (self.pressure, 1.0), 'N.m': (self.torque, 1.0),
-                'm^3/s': (self.flow, reading), 'rad/s': (self.speed, reading)}.get(
-                    unit, (0.0, 1.0))
+LINES = ('line_a_pressure', 'line_b_pressure')
+_BALANCES = ('motor_torque', 'motor_flow', 'pump_flow')
+_LEAST = 5      # samples about a moment
 
 
 class Moment(NamedTuple):
     """
-    The motor at one moment, SI, all signals of one time.
+    The motor at one moment, SI, all signals of one time, signs as if it turned forwards.
 
-    ``torque`` is what the motor makes, that for its inertia included; ``model_leakage`` and
+    ``torque`` is what the motor makes, that for its inertia included; ``model_flow`` and
     ``model_torque`` are the loss model's. ``noise`` holds the standard deviations of pressure,
-    flow, speed and torque.
+    flow, speed and torque, ``unsure`` that of a flow that no meter tells, of the flow. ``gauges``
+    counts the sensors of the pressure.
     """
 
     stamp: int
@@ -65,50 +51,66 @@ class Moment(NamedTuple):
     flow: float
     speed: float
     torque: float
-    model_leakage: float
+    model_flow: float
     model_torque: float
     noise: tuple[float, float, float, float]
+    unsure: float | None = None
+    gauges: int = 1
 
 
-def noise_of(rig: Rig, name: str) -> float:
-    """Return the noise of a sensor as the rig file states it, its resolution included, SI."""
-    sensor = rig.sensors.get(name)
-    return math.hypot(sensor.noise_std, sensor.resolution / math.sqrt(12)) if sensor else 0.0
-
-
-def bell(time: np.ndarray, middle: float) -> tuple[np.ndarray, np.ndarray] | None:
+class Losses(NamedTuple):
     """
-    Return weights whose sums are a smoothed signal and the equally smoothed rate of a signal.
+    What the loss model says of the hydromotor: pressure across it, leakage, torque.
 
-    The rate is the weak form: the derivative falls on the weight, so that a balance with a rate
-    in it holds of the smoothed signals as of the signals, across jumps, too (M. Shinbrot, On
-    the analysis of linear and nonlinear dynamical systems, NACA TN 3288, 1954).
-
-    Parameters
-    ----------
-    time : ndarray
-        s.
-    middle : float
-        Where the weights are highest, s.
-
-    Returns
-    -------
-    level, rate : ndarray
-        None if the samples are too few or lie on one side.
-
+    Of a circuit with two lines the ``leakage`` is that of the line under pressure, ``rest`` that
+    of the other one. ``way`` is -1 where it turns backwards and all else but the leakage is told
+    as if it turned forwards, ``side`` is -1 where line B is under pressure.
     """
-    if len(time) < _LEAST:
-        return None
-    at = time - middle
-    half = max(-at[0], at[-1]) * (1 + 1 / len(at))
-    if min(-at[0], at[-1]) < 0.5 * half:
-        return None
-    place = at / half
-    level = (1 - place * place)**2
-    level /= level.sum()
-    rate = place * (1 - place * place)
-    rate -= rate.mean()
-    return level, rate / (rate @ at)
+
+    pressure: Any
+    leakage: Any
+    torque: Any
+    rest: Any = 0.0
+    way: float = 1.0
+    side: float = 1.0
+
+
+def losses(model: PartModel, known: dict[str, Any], speed: float) -> Losses:
+    """Return what the loss model says; ``known`` as of ``told_of``, ``speed`` the usual one."""
+    if not isinstance(model, CircuitModel):
+        return Losses(known['pressure'], model.motor_leakage(known), model.motor_torque(known))
+    line_a, line_b = (known['true'][name] for name in LINES)
+    way, side = math.copysign(1.0, speed), math.copysign(1.0, float(np.mean(line_a - line_b)))
+    into_a = known[FLOW] - model.motor_displacement * known['true'][SPEED]
+    ports = into_a, known['case_drain_flow'] - into_a
+    high, low = ports if side > 0.0 else ports[::-1]
+    return Losses(way * (line_a - line_b), high, way * known['motor_torque'], low, way, side)
+
+
+def lost(found: dict[str, float], at: Losses) -> tuple[float, float]:
+    """
+    Return leakage and torque that are lost beyond the model, from the residuals of balances.
+
+    Where no meter tells the flow, the pump's delivery stands in its place.
+    """
+    missing = -at.way * found.get('motor_torque', math.nan)
+    if 'motor_flow' in found and at.side > 0.0:
+        return found['motor_flow'], missing
+    return -at.side * found.get('pump_flow', math.nan), missing
+
+
+def switched(values: dict[str, np.ndarray]) -> bool:
+    """Say whether the hydromotor stands on its second displacement, which no figure knows."""
+    return bool(np.any(values.get('motor_displacement_command', 0.0) > 5.0))
+
+
+def signals_for(rig: Rig, signals: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the signals that the figures need, the speed first."""
+    if rig.circuit == OPEN:
+        return SIGNALS
+    closed = watched(signals, rig)
+    return tuple(dict.fromkeys((SPEED, 'motor_torque', *LINES, *chain(*(
+        closed[name].channels(signals) for name in _BALANCES if name in closed)))))
 
 
 def _parabola(at: np.ndarray) -> np.ndarray:
@@ -118,14 +120,15 @@ def _parabola(at: np.ndarray) -> np.ndarray:
     return np.linalg.solve(powers @ powers.T, (1.0, 0.0, 0.0)) @ powers
 
 
-def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Moment | None:
+def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
+              lead: float = 0.0, doubt: float = 0.0) -> Moment | None:
     """
     Return the motor at ``stamp``; None if samples are too few.
 
     Parameters
     ----------
     window : Window
-        Of ``SIGNALS`` around the stamp, and of the motor's inlet pressure and the oil's
+        Of the figures' signals around the stamp, and of the motor's inlet pressure and the oil's
         temperature where they are measured.
     stamp : int
         ns.
@@ -133,40 +136,56 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float) -> Mo
         Loss model of the motor, adopted effects and calibration included.
     narrow : float
         Half the width of the smoothing of pressure and speed, s.
+    lead : float
+        From the window's start on in which lags settle, s.
+    doubt : float
+        Standard uncertainty of the pump's delivery where it stands for a flow meter, m^3/s.
 
     """
     middle = (stamp - window.start) * 1e-9
-    wide = bell(window.time, middle)
+    inside = window.time >= lead - 1e-9
+    wide = bell(window.time[inside], middle)
     if wide is None:
         return None
+    level, rate = np.zeros((2, len(window.time)))
+    level[inside], rate[inside] = wide
     from_middle = np.abs(window.time - middle)
     near = from_middle <= max(narrow, np.partition(from_middle, _LEAST - 1)[_LEAST - 1])
     short = _parabola(window.time[near] - middle)
-    rig = model.rig
-    # The moment itself goes last: one look at the tables for all.
-    channels = {name: np.append(values, short @ values[near])
-                for name, values in window.values.items()}
-    known, speed = told(model, channels, 0.0), channels[SPEED]
-    leak, made = model.motor_leakage(known), model.motor_torque(known)
-    turned = model.motor_displacement * speed
-    excess = float(wide[0] @ (known['flow'] - turned - leak)[:-1])
-    missing = float(wide[0] @ (made - channels[TORQUE])[:-1]
-                    - model.inertia * (wide[1] @ speed[:-1]))
+    rig, displacement = model.rig, model.motor_displacement
+    channels = {name: np.array([short @ values[near]]) for name, values in window.values.items()}
+    speed = float(channels[SPEED][0])
+    at = losses(model, told_of(model, channels, np.zeros(1), 0.0, None), speed)
+    closed = watched(window.values, rig)
+    samples = Samples(model, {name: closed[name] for name in _BALANCES if name in closed}, window,
+                      level, rate, 0.0)
+    excess, missing = lost(samples.residuals, at)
+    pressure, leak, made = (float(value[0]) for value in at[:3])
+    speed *= at.way
+    # A braking motor is a pump: what leaks does not leave it.
+    into = math.copysign(1.0, pressure)
+    flow = displacement * speed + into * (leak + excess)
     left, left_short, left_rate = (
-        math.sqrt(float(weight @ weight)) for weight in (wide[0], short, wide[1]))
-    noise = (left_short * noise_of(rig, PRESSURE), left * noise_of(rig, FLOW),
-             left * noise_of(rig, SPEED),
-             math.hypot(left * noise_of(rig, TORQUE),
+        math.sqrt(float(weight @ weight) / window.samples) for weight in (level, short, rate))
+    gauges = [name for name in (PRESSURE, *LINES) if name in window.values]
+    torque = next(name for name in ('motor_torque', TORQUE) if name in window.values)
+    noise = (left_short * math.hypot(*(noise_of(rig, name) for name in gauges)),
+             left * noise_of(rig, FLOW), left * noise_of(rig, SPEED),
+             math.hypot(left * noise_of(rig, torque),
                         left_rate * model.inertia * noise_of(rig, SPEED)))
-    leak, made = float(leak[-1]), float(made[-1])
-    return Moment(stamp, float(known['pressure'][-1]), float(turned[-1]) + leak + excess,
-                  float(speed[-1]), made - missing, leak, made, noise)
+    unsure = None if 'motor_flow' in samples.residuals and at.side > 0.0 else doubt / abs(flow)
+    return Moment(stamp, pressure, flow, speed, made - missing, displacement * speed + into * leak,
+                  made, noise, unsure, len(gauges))
+
+
+def _performance(pressure: float, *others: float) -> Performance:
+    return (performance if pressure > 0.0 else braking)(pressure, *others)
 
 
 def modelled(moment: Moment, displacement: float) -> Performance:
     """Return the figures of merit that the loss model gives at a moment."""
-    return performance(moment.pressure, displacement * moment.speed + moment.model_leakage,
-                       moment.speed, moment.model_torque, displacement)
+    return _performance(moment.pressure, moment.model_flow, moment.speed, moment.model_torque,
+                        displacement)
 
 
 def measured(moment: Moment, displacement: float,
@@ -174,7 +193,7 @@ def measured(moment: Moment, displacement: float,
     """Return the figures of merit of a moment, or None and why there are none."""
     signals = (moment.pressure, moment.flow, moment.speed, moment.torque)
     reason = reason_not_valid(*signals, limits=limits)
-    return (None, reason) if reason else (performance(*signals, displacement), '')
+    return (None, reason) if reason else (_performance(*signals, displacement), '')
 
 
 def uncertainty(moment: Moment, figures: Performance, displacement: float,
@@ -186,8 +205,10 @@ def uncertainty(moment: Moment, figures: Performance, displacement: float,
     inertia count as known.
     """
     noise = moment.noise
-    pressure = math.hypot(noise[0], accuracy.pressure) / moment.pressure
-    flow = math.hypot(noise[1] / abs(moment.flow), accuracy.flow)
+    pressure = math.hypot(noise[0], math.sqrt(moment.gauges) * accuracy.pressure) / abs(
+        moment.pressure)
+    flow = math.hypot(noise[1] / abs(moment.flow),
+                      accuracy.flow if moment.unsure is None else moment.unsure)
     speed = math.hypot(noise[2] / abs(moment.speed), accuracy.speed)
     torque = math.hypot(noise[3], accuracy.torque) / abs(moment.torque)
     volumetric = figures.volumetric * math.hypot(flow, speed)

@@ -14,9 +14,10 @@ import math
 from typing import Mapping, NamedTuple
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import Effect, OF_OTHER_CIRCUITS, Parameter, READABLE
+from hst_drive.effects.base import Effect, Parameter, READABLE
 from hst_drive.model.arrays import evaluate
-from hst_drive.rig import Rig
+from hst_drive.model.part import PartModel
+from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration, LIMIT
 from hst_drive.watch.residuals import Block
 import numpy as np
@@ -31,7 +32,7 @@ _FAST = ('compliance', 'pump_lag', 'pump_series_lag', 'pump_stroke_time',
          'pump_stroke_asymmetry', 'pump_play', 'pump_play_softness', 'pump_play_spread',
          'line_upstream_share', 'shaft_compliance', 'shaft_load_share', 'shaft_damping_time',
          'line_inertance', 'line_far_share', 'line_damping', 'speed_reading_lag',
-         'speed_reading_series_lag', 'motor_torque')
+         'speed_reading_series_lag', 'gear_twist', 'gear_angle')
 """Slots of terms whose means over a block are next to nothing."""
 
 
@@ -57,8 +58,9 @@ class Signatures:
 
     Parameters
     ----------
-    rig : Rig
-        Effects that it has adopted are in the model already: they may have grown or shrunk.
+    model : PartModel
+        Of the drive. Effects that its rig has adopted are in it already: they may have grown or
+        shrunk.
 
     Attributes
     ----------
@@ -67,13 +69,13 @@ class Signatures:
 
     """
 
-    def __init__(self, rig: Rig):
+    def __init__(self, model: PartModel):
         tried = {name: effect for name, effect in catalogue().items()
-                 if effect.searched == 'always' and not effect.both_ways
-                 and effect.slot not in OF_OTHER_CIRCUITS}
-        self._adopted = rig.effects
+                 if effect.searched == 'always' and model.enters(name)
+                 and not (effect.both_ways and model.rig.circuit == OPEN)}
+        self._adopted = model.rig.effects
         self.unseen = tuple(name for name, effect in tried.items()
-                            if all(slot in _FAST for slot, _ in effect.terms))
+                            if effect.swings or all(slot in _FAST for slot, _ in effect.terms))
         self._effects = {name: effect for name, effect in tried.items()
                          if name not in self.unseen}
 
@@ -83,9 +85,11 @@ class Signatures:
         return block.samples.by_effect(name, {
             **size, fitted: size[fitted] + self.adopted(name, fitted)})
 
-    def sizes(self) -> list[tuple[str, dict[str, float], str]]:
+    def sizes(self, both_ways: bool = False) -> list[tuple[str, dict[str, float], str]]:
         """
         Return what to try: effect, its parameters at typical size, the one that is fitted.
+
+        What only a drive that turned ``both_ways`` tells from others is tried then only.
 
         What gives an adopted effect its shape stays as adopted.
 
@@ -94,6 +98,8 @@ class Signatures:
         """
         found = []
         for name, effect in self._effects.items():
+            if effect.both_ways and not both_ways:
+                continue
             first, *others = effect.parameters
             had = self._adopted.get(name, {})
             parts = [first] + [entry for entry in others if _alone(effect, entry)]
@@ -161,7 +167,8 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
     total = float(error @ error - (error @ design) @ (absorb @ error))
     best: dict[str, Likely] = {}
     columns: dict[str, np.ndarray] = {}
-    for name, size, fitted in signatures.sizes():
+    ways = {block.samples.backwards for block in blocks}
+    for name, size, fitted in signatures.sizes(len(ways) > 1):
         moved = [signatures.of(name, block, size, fitted) for block in blocks]
         column = np.array([moved[place].get(balance, 0.0) / deviation
                            for (place, balance), deviation in zip(keys, deviations)])

@@ -21,11 +21,29 @@ _BACK = BILLION     # ns: a stamp that far back is a new start, a smaller step a
 
 
 class Window(NamedTuple):
-    """Samples of several signals at the same times; ``time`` in s from ``start`` (ns)."""
+    """
+    Samples of several signals at the same times; ``time`` in s from ``start`` (ns).
+
+    Each is the mean of ``samples`` readings.
+    """
 
     start: int
     time: np.ndarray
     values: dict[str, np.ndarray]
+    samples: int = 1
+
+    def thinned(self, rate: float) -> Window:
+        """Return it with about so many samples a second (Hz) at the most."""
+        count = len(self.time)
+        step = round((count - 1) / (self.time[-1] - self.time[0]) / rate) if count > 1 else 1
+        if step < 2:
+            return self
+
+        def mean(values: np.ndarray) -> np.ndarray:
+            return values[count % step:].reshape(-1, step).mean(axis=1)
+
+        return Window(self.start, mean(self.time), {
+            name: mean(values) for name, values in self.values.items()}, step)
 
 
 class Stream:

@@ -301,7 +301,7 @@ def own_circuit(monkeypatch):
         held_inputs=(Input('valve_command'),),
         inputs=(Input('pump_outlet_pressure'), Input('motor_torque')),
         quantities=('motor_torque', 'inertia'),
-        balances=(Balance('shaft', 'motor_torque', 'torque', 'N.m', 'torque at the shaft',
+        balances=(Balance('shaft', 'motor_torque', 'torque', 'torque at the shaft',
                           (Part('motor_torque', '', 'motor_speed', 'inertia'),),
                           needs=('motor_speed', 'pump_outlet_pressure')),))
     monkeypatch.setattr(circuits, 'circuits', lambda: {**KNOWN, 'own': own})

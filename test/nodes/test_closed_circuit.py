@@ -16,10 +16,12 @@ import pytest
 import yaml
 
 from .processes import run
+from .test_estimator import read
 
 RIG = share('config', 'rig', 'closed_rig.yaml')
 STROKE, PUMP = 71e-6 / (2.0 * np.pi), 1800 * np.pi / 30.0       # of the rig file
 SWEPT = 3.0 * 2 * 560e-6 / (2.0 * np.pi)
+LEAK = 2 * 0.008 / 6e4 / 1e5        # m^3/(s.Pa)
 ARGUMENTS = ('run', 'reverse', '--rig', str(RIG))
 
 
@@ -35,15 +37,21 @@ def changed(folder, **sections):
 
 def test_what_runs_and_what_it_publishes(tmp_path):
     plan = make_plan(Options('reverse', str(tmp_path / 'bag'), rig=str(RIG)))
-    assert list(plan.parameters) == ['plant', 'load_profile', 'controller', 'recorder']
+    assert list(plan.parameters) == list(wiring.NODES)
     law = plan.parameters['controller']
     assert (law['u_clamp_min'], law['u_clamp_max'], law['dead_band']) == (-10.0, 10.0, 1.0)
     assert {entry['circuit'] for entry in plan.parameters.values()} == {'closed'}
     names = wiring.recorded(plan.parameters, circuit='closed')
     assert {'line_a_pressure', 'line_b_pressure', 'charge_pressure', 'motor_torque'} <= set(names)
     assert not {'pprv_command', 'pump_outlet_pressure', 'load_torque_command'} & set(names)
+    # What the estimator tells of them, and nothing for which there is no sensor.
+    assert {name for name in names if name.endswith('_residual')} == {
+        f'{name}_residual' for name in ('pump_flow', 'motor_torque', 'line_a_pressure',
+                                        'line_b_pressure', 'charge_pressure')}
+    assert {'efficiency', 'losses', 'leakage_resistance', 'verdict', '/diagnostics'} <= set(names)
     # As before on the open circuit.
     assert not any(name.startswith(('line_', 'charge')) for name in wiring.recorded(wiring.NODES))
+    assert {'motor_flow_residual', 'load_torque_residual'} <= set(wiring.recorded(wiring.NODES))
     with pytest.raises(InputError, match='pump_outlet_pressure'):
         wiring.readings(['pump_outlet_pressure'], 'closed')
     with pytest.raises(InputError, match='line_a_pressure'):
@@ -133,3 +141,74 @@ def test_the_recording_is_one_that_the_model_describes(reversed_run, tmp_path):
     assert {'line_a_pressure', 'line_b_pressure'} <= set(signals)
     for name in ('motor_speed', 'motor_torque', 'charge_pressure'):
         assert signals[name]['noise_ratio'] < 1.5, name
+
+
+def watched(words):
+    """Return time and status of what the watch said."""
+    return [(time, status) for time, status in words if status.name.endswith('watch')]
+
+
+def test_the_estimator_tells_efficiency_and_losses_both_ways(reversed_run):
+    """Beside the rig file, by hand: leakage per pressure, friction of each hydromotor, gear."""
+    rows, *_ = read(reversed_run.source)
+    for first, last in ((8.0, 18.0), (36.0, 40.0), (70.0, 79.0)):
+        told = {name: rows[name][(rows[name][:, 0] > first) & (rows[name][:, 0] < last), 1:]
+                for name in ('efficiency', 'losses', 'efficiency_uncertainty')}
+        times = rows['efficiency'][(rows['efficiency'][:, 0] > first)
+                                   & (rows['efficiency'][:, 0] < last), 0]
+        assert len(times) > 30
+        speed = np.abs(np.interp(times, rows['motor'][:, 0], rows['motor'][:, 1]))
+        lines = np.array([np.interp(times, *rows[f'line_{line}_pressure'].T) for line in 'ab'])
+        difference, high = np.abs(lines[0] - lines[1]), lines.max(axis=0)
+        turned = SWEPT * speed
+        friction = 3.0 * 2 * (20.0 + 0.6 * 3.0 * speed)
+        made = 0.97 * (0.96 * SWEPT * difference - friction)
+        volumetric = turned / (turned + LEAK * high)
+        assert np.median(told['efficiency'][:, 0]) == pytest.approx(
+            np.median(volumetric), abs=2e-3)
+        assert np.median(told['efficiency'][:, 1]) == pytest.approx(
+            np.median(made / (SWEPT * difference)), abs=6e-3)
+        assert np.median(told['losses'][:, 0]) == pytest.approx(
+            100.0 * (1.0 - np.median(volumetric)), abs=0.2)
+        assert np.median(told['losses'][:, 2]) == pytest.approx(
+            np.median(SWEPT * difference - made), rel=0.05)
+        # How well the pump's sheet tells the flow is most of it: 0.6 % of its displacement.
+        assert np.all((told['efficiency_uncertainty'][:, 0] > 0.004)
+                      & (told['efficiency_uncertainty'][:, 0] < 0.012))
+    # Where it stands, or no line carries pressure, there is no figure.
+    assert not np.any((rows['efficiency'][:, 0] > 27.0) & (rows['efficiency'][:, 0] < 31.0))
+
+
+def test_a_sound_drive_that_reverses_is_watched_without_alarm(reversed_run):
+    rows, words, verdicts = read(reversed_run.source)
+    said = watched(words)
+    assert not [status.message for _, status in said if status.level == 1]
+    assert sum(status.level == 0 for _, status in said) > 55
+    assert verdicts and not any(names for _, names, *_ in verdicts)
+    for name in ('pump_flow', 'motor_torque', 'line_b_pressure', 'charge_pressure'):
+        assert rows[f'{name}_residual'][:, 3].max() < 0.5
+    # Backwards line A is the low one.
+    backwards = rows['line_a_pressure_residual'][:, 0]
+    assert len(backwards) > 5 and np.all((backwards > 31.0) & (backwards < 43.0))
+    values = {value.key for _, status in said for value in status.values}
+    assert {'evidence high line', 'evidence shaft', 'evidence charge line'} <= values
+
+
+@pytest.mark.parametrize('hidden, balance, names, size', [
+    (('motor_leakage.conductance=5e-12', '--topic', 'case_drain_flow'), 'case drain',
+     ('motor_leakage',), 5e-12),
+    (('charge_pressure_loss.drop=3e5',), 'charge line', ('charge_pressure_loss',), None)])
+def test_what_comes_while_it_reverses_is_named(tmp_path, hidden, balance, names, size):
+    pytest.importorskip('rclpy')
+    code, out, err = run(*ARGUMENTS, '-o', str(tmp_path / 'bag'), '--duration', '42',
+                         '--effects-from', '20', '--effect', *hidden)
+    assert code == 0, err
+    _, words, verdicts = read(tmp_path / 'bag')
+    alarms = [(time, status) for time, status in watched(words) if status.level == 1]
+    assert alarms and alarms[0][0] > 20.0
+    values = {value.key: value.value for value in alarms[-1][1].values}
+    assert balance in values['balances'].split(', ')
+    _, told, sizes, *_ = verdicts[-1]
+    assert set(names) <= set(told)
+    if size:
+        assert sizes[told.index(names[0])] == pytest.approx(size, rel=0.1)

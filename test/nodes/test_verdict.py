@@ -4,6 +4,7 @@
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import TOPICS
+from hst_drive.measure.balances import BALANCES
 from hst_drive.watch.naming import Likely
 from hst_drive.watch.watch import Verdict
 import pytest
@@ -34,7 +35,8 @@ def test_growth_comes_behind_the_effects():
     assert said['name'] == ['motor_leakage', 'elastic_leakage', 'motor_leakage.rate']
     assert [said[key][2] for key in ('position', 'velocity', 'effort')] == [2e-16, 1e-16, 3e-16]
     assert said['effort'][:2] == [30.0, 30.0]
-    _, values = verdict.alarm(Verdict({}, {}, ('motor_flow',), effects=(grown,)), 0, '', ())
+    _, values = verdict.alarm(Verdict({}, {}, ('motor_flow',), effects=(grown,)), 0, '', (),
+                              {entry.id: entry for entry in BALANCES.values()})
     # 2e-16 m^3/(s.Pa) a second: times 3600 s, 6e4 L/min over m^3/s and 1e5 Pa over a bar.
     assert values['trend'] == ('motor_leakage grows: +0.00432 L/min/bar an hour '
                                '(0.00216 to 0.00648)')

@@ -70,6 +70,15 @@ def test_commands_hold_and_readings_move_on_a_line():
     assert stream.missing((PRESSURE,), 0, 2 * BILLION) == [PRESSURE]
 
 
+def test_a_window_is_thinned_by_means():
+    window = Window(0, np.arange(301) / 100, {SPEED: np.arange(301.0)})
+    assert window.thinned(100.0) is window
+    thin = window.thinned(20.0)
+    assert (len(thin.time), thin.samples) == (60, 5)
+    assert thin.values[SPEED] == pytest.approx(100.0 * thin.time)
+    assert thin.values[SPEED][-1] == 298.0
+
+
 def test_a_gap_is_found():
     stream = Stream((PRESSURE,), 4.0, 0.3)
     for step in (*range(100), *range(140, 200)):

@@ -95,7 +95,7 @@ def test_an_effect_moves_a_balance_or_is_said_not_to_be_watched():
 
     balances.model = Asked(RIG)
     balances.of(window, 1_000_000_000, 3_000_000_000)
-    unseen = Signatures(RIG).unseen
+    unseen = Signatures(PartModel(RIG)).unseen
     for name, effect in catalogue().items():
         if effect.searched == 'always' and name not in unseen and (
                 effect.slot not in OF_OTHER_CIRCUITS):
@@ -113,7 +113,7 @@ def test_hours_of_an_alarm_keep_few_blocks_and_are_named_anew(monkeypatch):
     worn = sound._replace(residuals={
         name: entry._replace(value=entry.value + 50 * (entry.noise + entry.floor))
         for name, entry in sound.residuals.items()})
-    watch, named = Watch(Calibration(balances.spread), Signatures(RIG)), []
+    watch, named = Watch(Calibration(balances.spread), Signatures(PartModel(RIG))), []
     monkeypatch.setattr(watching, 'likely', lambda *given: named.append(watch.blocks) or ())
     for block in [sound] * 100 + [worn] * 5000:
         watch.add(block)
@@ -155,7 +155,7 @@ def test_a_leak_since_commissioning_that_the_make_swallows_is_alarmed(seed):
 @pytest.mark.parametrize('now', [1.6, 0.4])
 def test_an_adopted_leak_that_grows_or_shrinks_is_named_with_its_whole_size(now):
     known = replace(RIG, effects={'motor_leakage': {'conductance': LEAK.typical}})
-    signatures, balances = Signatures(known), Balances(known, SIGNALS)
+    signatures, balances = Signatures(PartModel(known)), Balances(known, SIGNALS)
     blocks = []
     for piece in drilling(replace(RIG, tolerances={}), 51, 0.4, {
             'motor_leakage': {'conductance': now * LEAK.typical}}):
@@ -176,7 +176,7 @@ def test_a_leak_that_grows_has_its_rate(growth):
     sizes = LEAK.typical * (1.0 + growth * np.arange(36) / 36)
     own = replace(RIG, tolerances={}, fingerprint=Fingerprint({
         name: 0.12 * sigma for name, sigma in RIG.tolerances.items()}))
-    signatures, balances, blocks = Signatures(own), Balances(own, SIGNALS), []
+    signatures, balances, blocks = Signatures(PartModel(own)), Balances(own, SIGNALS), []
     for number, size in enumerate(sizes):
         piece = next(drilling(replace(RIG, tolerances={}), 60 + number, 0.34, {
             'motor_leakage': {'conductance': size}}))

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Callable, NamedTuple
+from typing import Any, Callable, Container, NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.rig import Curve, Rig, Surface
 
@@ -57,25 +58,48 @@ class Part(NamedTuple):
 
 class Balance(NamedTuple):
     """
-    A balance that a log may close.
+    A balance that signals may close.
 
-    ``signal`` is what it predicts from the channels ``needs`` ('a|b': either); ``enters``,
-    ``unit`` and ``place`` say what is missing where it does not close, ``per`` by which parameter
-    the signal's error becomes that (1 without one), ``formula`` which formula can carry it.
-    ``sheet`` is the share of the signal's usual size that no maker's sheet tells: of leakage far
-    more than of a flow (ISO 4409, measurement class A: 0.5 %).
+    ``signal`` is what it predicts from the channels ``needs`` ('a|b': either); ``enters`` and
+    ``place`` say what is missing where it does not close, ``sign`` times the signal's error, per
+    displacement of the hydromotor where ``swept``; ``formula`` which formula can carry it. ``id``
+    is the word by which it is watched while the drive runs ('' of the open circuit: it is not).
+
+    It predicts by its ``parts``, or by an ``equation`` of the open circuit's parts. Of that
+    ``rig`` are the numbers that the rig file must give, and ``without`` channels that make another
+    balance the better one. ``sheet`` is the share of the signal's usual size that no maker's sheet
+    tells: of leakage far more than of a flow (ISO 4409, measurement class A: 0.5 %).
     """
 
     name: str
     signal: str
     enters: str
-    unit: str
     place: str
-    parts: tuple[Part, ...]
+    parts: tuple[Part, ...] = ()
     needs: tuple[str, ...] = ()
-    per: str = ''
     formula: str = ''
     sheet: float = 0.003
+    id: str = ''
+    equation: Callable[..., Any] | None = None
+    rig: tuple[str, ...] = ()
+    sign: float = 1.0
+    swept: bool = False
+    without: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit of what is missing."""
+        return 'm^3/s' if self.swept else CHANNELS[self.groups[0][0]].unit
+
+    @property
+    def groups(self) -> tuple[list[str], ...]:
+        """Alternatives of the signal and of each channel that it needs."""
+        return tuple(entry.split('|') for entry in (self.signal, *self.needs))
+
+    def channels(self, present: Container[str]) -> tuple[str, ...]:
+        """Return what it goes by: those of its alternatives that are present, the signal first."""
+        return tuple(dict.fromkeys(
+            name for group in self.groups for name in group if name in present))
 
 
 @dataclass(frozen=True, eq=False)
