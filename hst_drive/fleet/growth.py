@@ -33,13 +33,15 @@ class History(NamedTuple):
     """
     Sizes of an effect, SI, with one standard deviation, on days in rising order.
 
-    ``temperatures`` are those of the oil, degC; empty if they are not known.
+    ``temperatures`` are those of the oil, degC; empty if they are not known. ``thinner``: by how
+    much all sizes may be off together, date by date, one standard deviation; it comes instead.
     """
 
     days: np.ndarray
     values: np.ndarray
     sigmas: np.ndarray
     temperatures: np.ndarray = np.empty(0)
+    thinner: np.ndarray = np.empty(0)
 
 
 class Jump(NamedTuple):
@@ -188,8 +190,8 @@ class _Evidence:
         count = len(history.days)
         warm = history.temperatures
         season = len(warm) == count and np.ptp(warm) > 0.0
-        self.ways = [None, (warm - np.median(warm)) / max(np.ptp(warm), _WARMER)] if season \
-            else [None]
+        self.ways = [None, 0.5 * (warm - np.median(warm)) / max(np.ptp(warm), _WARMER)] if season \
+            else [history.thinner / self.scale if len(history.thinner) else None]
         self.stretches: list[dict[tuple[int, int], tuple[Stretch, tuple[Law, ...]]]] = []
         forward, total, cuts = [], [], []
         for way in self.ways:

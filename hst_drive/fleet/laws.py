@@ -62,8 +62,8 @@ class Stretch(NamedTuple):
     What the dates of a stretch say of each law and scatter.
 
     The law's level and rise, and how the size goes with the oil's temperature, are normal with a
-    standard deviation of one scale (temperature: half) before anything is measured; so the
-    evidence is a closed form.
+    standard deviation of one (scale) before anything is measured; so the evidence is a closed
+    form.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Stretch(NamedTuple):
         variances : ndarray, shape (scatters, dates)
             Of each size, for each scatter.
         season : ndarray, shape (dates,), optional
-            Temperatures, scaled.
+            What temperatures do to the sizes, one standard deviation, scaled.
 
         """
         count = len(values)
@@ -105,7 +105,7 @@ class Stretch(NamedTuple):
         prior = [1.0, 1.0]
         if season is not None:
             columns.append(np.broadcast_to(season, moved.shape))
-            prior.append(4.0)
+            prior.append(1.0)
         design = np.stack(columns, axis=-1)                         # laws, dates, unknowns
         weighed = np.einsum('lnp,mn->lmnp', design, 1.0 / variances)
         precisions = np.einsum('lmnp,lnq->lmpq', weighed, design) + np.diag(prior)
