@@ -55,13 +55,15 @@ def _event(group: Sequence[tuple[Jump, Followed]]) -> Event:
 
 
 def _said(jump: Jump, effect: str) -> str:
-    back = abs(jump.last) < _BACK * abs(jump.first)
     entry = catalogue(everything=True)[effect]
+    # Against what a machine was, a size that none has of less than none may be just that.
+    sign = 1.0 if entry.parameters[0].low >= 0.0 else max(jump.first, jump.last, key=abs)
+    back = sign * jump.last < sign * _BACK * jump.first
     if entry.enters == 'sensor':
         return f'{effect} {"gone" if back else "jumped"}: sensor replaced or set anew'
     if back:
         return f'{effect} fell back: repaired, or a part replaced'
-    if abs(jump.last) < abs(jump.first):
+    if sign * jump.last < sign * jump.first:
         return f'{effect} fell at once: repaired in part, or other oil'
     return f'{effect} jumped: damage, ' + (
         'or thinner oil' if leaks(effect) else 'or a part replaced')

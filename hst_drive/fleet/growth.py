@@ -287,7 +287,10 @@ def _jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
             break
         left[first:last + 1] = 0.0
         one, other = history.values[first], history.values[last + 1]
-        sigma = np.hypot(history.sigmas[first], history.sigmas[last + 1])
+        parts = [history.sigmas[first], history.sigmas[last + 1]]
+        if len(history.thinner):
+            parts.append(history.thinner[last + 1] - history.thinner[first])
+        sigma = np.hypot.reduce(parts)
         if abs(other - one) > _JUMP * sigma:
             found.append(Jump(float(history.days[first]), float(history.days[last + 1]),
                               float(one), float(other), min(chance, 1.0)))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 STEADY, LINEAR, ONSET, ACCELERATING = range(4)
-_CHANCES = {STEADY: 0.5, LINEAR: 0.2, ONSET: 0.15, ACCELERATING: 0.15}
+_STEADY = 0.5           # chance; all ways to grow are as likely
 _RATES = (1.0, 2.0, 3.0, 4.5, 6.0)    # of an exponential, over the stretch
 
 
@@ -34,8 +34,8 @@ def laws(places: np.ndarray) -> tuple[Law, ...]:
     if len(places) > 3:
         # Two dates at least before it and after it; on a date or between two.
         shapes[ONSET] = [*places[1:-2], *(0.5 * (places[1:-2] + places[2:-1]))]
-    total = sum(_CHANCES[kind] for kind in shapes)
-    return tuple(Law(kind, float(shape), _CHANCES[kind] / total / len(listed))
+    growing = (1.0 - _STEADY) / max(len(shapes) - 1, 1)
+    return tuple(Law(kind, float(shape), (growing if kind else _STEADY) / len(listed))
                  for kind, listed in shapes.items() for shape in listed)
 
 

@@ -86,6 +86,21 @@ def test_a_few_kelvin_count_as_well():
     assert left.high - left.low < 0.6 * (without.high - without.low)
 
 
+def test_what_all_sizes_may_be_off_together_is_found():
+    """It is the generalised least squares estimate of a line, by a covariance of rank one."""
+    together = 0.1 * np.sin(2.0 * np.pi * DAYS / 365.25) + 0.05
+    made = history(lambda day: 0.6 * day / END + 1.5 * together, sigma=0.01)
+    found = Growth(made._replace(thinner=together))
+    design = np.column_stack([np.ones_like(DAYS), DAYS])
+    weight = np.linalg.inv(1e-4 * np.eye(len(DAYS)) + np.outer(together, together))
+    slope = np.linalg.solve(design.T @ weight @ design, design.T @ weight @ made.values)[1]
+    assert found.kind == 'grows' and not found.jumps
+    assert found.rate[1] == pytest.approx(slope, rel=0.05)
+    left, blind = found.remaining(1.0), Growth(made).remaining(1.0)
+    assert left.low < END / 0.6 < left.high
+    assert left.high - left.low < 0.5 * (blind.high - blind.low)
+
+
 def test_a_size_that_gets_more_negative_grows():
     """A sensor that reads less and less; its limit is negative, too."""
     found = Growth(history(lambda day: -0.5 * day / END))
