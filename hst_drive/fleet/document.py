@@ -6,6 +6,7 @@ from __future__ import annotations
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.summary import Followed, Machine, Summary
 from hst_drive.fleet.words import day, far, of_machine, sentence
+import numpy as np
 
 SCHEMA = 'hst_drive/fleet/2'
 
@@ -45,4 +46,4 @@ def _followed(entry: Followed) -> dict:
             'low': reached(left.low), 'middle': reached(left.middle), 'high': reached(left.high),
             'reached': left.reached},
         'dates': [day(value) for value in history.days], 'values': history.values.tolist(),
-        'sigmas': history.sigmas.tolist()}
+        'sigmas': np.hypot(history.sigmas, history.together).tolist()}

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence, TYPE_CHECKING
 
 from hst_drive.effects import catalogue
-from hst_drive.fleet.track import leaks, OIL
+from hst_drive.fleet.track import leaks, OIL, one_way
 
 if TYPE_CHECKING:
     from hst_drive.fleet.growth import Jump
@@ -57,7 +57,7 @@ def _event(group: Sequence[tuple[Jump, Followed]]) -> Event:
 def _said(jump: Jump, effect: str) -> str:
     entry = catalogue(everything=True)[effect]
     # Against what a machine was, a size that none has of less than none may be just that.
-    sign = 1.0 if entry.parameters[0].low >= 0.0 else max(jump.first, jump.last, key=abs)
+    sign = 1.0 if one_way(effect) else max(jump.first, jump.last, key=abs)
     back = sign * jump.last < sign * _BACK * jump.first
     if entry.enters == 'sensor':
         return f'{effect} {"gone" if back else "jumped"}: sensor replaced or set anew'

@@ -43,6 +43,11 @@ class History(NamedTuple):
     temperatures: np.ndarray = np.empty(0)
     thinner: np.ndarray = np.empty(0)
 
+    @property
+    def together(self) -> np.ndarray:
+        """It is ``thinner``, or none."""
+        return self.thinner if len(self.thinner) else np.zeros(len(self.days))
+
 
 class Jump(NamedTuple):
     """A sudden change between two days: sizes before and after, and how sure a cut is there."""
@@ -78,6 +83,8 @@ class Growth:
     form : float
         Relative standard deviation by which all of them may be off together: the formula's. It
         makes no trend, but who gives a limit means the true size.
+    one_way : bool
+        Whether the size grows upwards alone, also where it is less than none.
 
     Attributes
     ----------
@@ -96,7 +103,7 @@ class Growth:
 
     """
 
-    def __init__(self, history: History, form: float = 0.0):
+    def __init__(self, history: History, form: float = 0.0, one_way: bool = False):
         self.history = history
         self.now = float(history.days[-1])
         evidence = _Evidence(history)
@@ -105,16 +112,17 @@ class Growth:
         random = np.random.default_rng(0)
         self._draws = evidence.draws(random)
         self._true = np.exp(form * random.standard_normal(len(self._draws.kinds)))
-        self.level = _quantiles(self._true * self.at(self.now))
+        self.level = _quantiles(self._true * self._draws.at(self.now))
         rates = self._draws.rate(self.now)
         self.rate = _quantiles(rates)
-        self.kind, self.since = self._kind(rates)
+        self.kind, self.since = self._kind(rates, one_way)
 
-    def _kind(self, rates: np.ndarray) -> tuple[str, float | None]:
+    def _kind(self, rates: np.ndarray, one_way: bool) -> tuple[str, float | None]:
         if len(self.history.days) < FEWEST:
             return 'too few dates', None
         # A size of no sign of its own, near zero, grows whichever way it goes.
-        outward = np.sign(self.level[1]) or np.sign(np.median(rates[rates != 0.0]))
+        outward = 1.0 if one_way else np.sign(self.level[1]) or np.sign(
+            np.median(rates[rates != 0.0]))
         away, back = (np.mean(rates * side > 0.0) for side in (outward, -outward))
         if max(away, back) < _SURE:
             return ('steady' if np.mean(rates == 0.0) > 0.5 else 'not clear'), None
@@ -125,13 +133,9 @@ class Growth:
         faster = np.mean(self._draws.kinds[moving] == ACCELERATING) > 0.5
         return 'accelerates' if faster else 'grows', since
 
-    def at(self, day: float) -> np.ndarray:
-        """Return draws of the size on a day of the last stretch or later."""
-        return self._draws.at(day)
-
     def band(self, day: float) -> tuple[float, float, float]:
         """Return low, middle and high of a 95 % interval on a day."""
-        return _quantiles(self.at(day))
+        return _quantiles(self._draws.at(day))
 
     def remaining(self, limit: float) -> Remaining | None:
         """Return when a limit is reached; None with too few dates."""
@@ -190,8 +194,9 @@ class _Evidence:
         count = len(history.days)
         warm = history.temperatures
         season = len(warm) == count and np.ptp(warm) > 0.0
-        self.ways = [None, 0.5 * (warm - np.median(warm)) / max(np.ptp(warm), _WARMER)] if season \
-            else [history.thinner / self.scale if len(history.thinner) else None]
+        self.ways = [history.together / self.scale]
+        if season:
+            self.ways.append(0.5 * (warm - np.median(warm)) / max(np.ptp(warm), _WARMER))
         self.stretches: list[dict[tuple[int, int], tuple[Stretch, tuple[Law, ...]]]] = []
         forward, total, cuts = [], [], []
         for way in self.ways:
@@ -210,7 +215,7 @@ class _Evidence:
         self.cuts = np.einsum('wm,wdm->d', self.weights, np.array(cuts)) if count > 1 \
             else np.empty(0)
 
-    def _table(self, way: np.ndarray | None):
+    def _table(self, way: np.ndarray):
         days, values = self.history.days, self.history.values / self.scale
         table = {}
         for first in range(len(days)):
@@ -220,8 +225,7 @@ class _Evidence:
                 places = (days[part] - days[first]) / span
                 tried = laws(places)
                 table[first, end] = Stretch.of(
-                    tried, places, values[part], self.variances[:, part],
-                    None if way is None else way[part]), tried
+                    tried, places, values[part], self.variances[:, part], way[part]), tried
         return table
 
     def draws(self, random: np.random.Generator) -> _Draws:
@@ -287,10 +291,8 @@ def _jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
             break
         left[first:last + 1] = 0.0
         one, other = history.values[first], history.values[last + 1]
-        parts = [history.sigmas[first], history.sigmas[last + 1]]
-        if len(history.thinner):
-            parts.append(history.thinner[last + 1] - history.thinner[first])
-        sigma = np.hypot.reduce(parts)
+        ends = [first, last + 1]
+        sigma = np.hypot.reduce([*history.sigmas[ends], np.diff(history.together[ends])[0]])
         if abs(other - one) > _JUMP * sigma:
             found.append(Jump(float(history.days[first]), float(history.days[last + 1]),
                               float(one), float(other), min(chance, 1.0)))

@@ -44,9 +44,10 @@ def at(kinds: np.ndarray, shapes: np.ndarray, places: np.ndarray) -> np.ndarray:
     kinds, shapes = np.asarray(kinds), np.asarray(shapes)
     late = np.where(kinds == ONSET, shapes, 0.0)
     rate = np.where(kinds == ACCELERATING, shapes, 1.0)
-    return np.select([kinds == LINEAR, kinds == ONSET, kinds == ACCELERATING], [
-        places, np.maximum(places - late, 0.0) / (1.0 - late),
-        np.expm1(rate * places) / np.expm1(rate)], 0.0)
+    with np.errstate(over='ignore'):    # what accelerates is beyond all bounds one day
+        return np.select([kinds == LINEAR, kinds == ONSET, kinds == ACCELERATING], [
+            places, np.maximum(places - late, 0.0) / (1.0 - late),
+            np.expm1(rate * places) / np.expm1(rate)], 0.0)
 
 
 def inverse(kinds: np.ndarray, shapes: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -69,8 +70,8 @@ class Stretch(NamedTuple):
     ----------
     evidence : ndarray, shape (scatters, laws)
         Natural logarithm, with the chance of the law.
-    means, precisions : ndarray, shape (laws, scatters, n) and (laws, scatters, n, n)
-        Of level, rise and, perhaps, temperature.
+    means, precisions : ndarray, shape (laws, scatters, 3) and (laws, scatters, 3, 3)
+        Of level, rise and temperature.
 
     """
 
@@ -80,7 +81,7 @@ class Stretch(NamedTuple):
 
     @classmethod
     def of(cls, tried: tuple[Law, ...], places: np.ndarray, values: np.ndarray,
-           variances: np.ndarray, season: np.ndarray | None) -> Stretch:
+           variances: np.ndarray, season: np.ndarray) -> Stretch:
         """
         Return the evidence of a stretch.
 
@@ -94,28 +95,24 @@ class Stretch(NamedTuple):
             Sizes, scaled.
         variances : ndarray, shape (scatters, dates)
             Of each size, for each scatter.
-        season : ndarray, shape (dates,), optional
+        season : ndarray, shape (dates,)
             What temperatures do to the sizes, one standard deviation, scaled.
 
         """
         count = len(values)
         kinds, shapes = (np.array(column)[:, None] for column in list(zip(*tried))[:2])
         moved = at(kinds, shapes, places)
-        columns = [np.ones_like(moved), moved]
-        prior = [1.0, 1.0]
-        if season is not None:
-            columns.append(np.broadcast_to(season, moved.shape))
-            prior.append(1.0)
-        design = np.stack(columns, axis=-1)                         # laws, dates, unknowns
+        design = np.stack([np.ones_like(moved), moved, np.broadcast_to(season, moved.shape)],
+                          axis=-1)                                  # laws, dates, unknowns
         weighed = np.einsum('lnp,mn->lmnp', design, 1.0 / variances)
-        precisions = np.einsum('lmnp,lnq->lmpq', weighed, design) + np.diag(prior)
+        precisions = np.einsum('lmnp,lnq->lmpq', weighed, design) + np.eye(3)
         pull = np.einsum('lmnp,n->lmp', weighed, values)
         means = np.linalg.solve(precisions, pull[..., None])[..., 0]
         fitted = np.einsum('lmp,lmp->lm', pull, means)
         square = (values**2 / variances).sum(axis=1)
         evidence = -0.5 * (
             count * np.log(2.0 * np.pi) + np.log(variances).sum(axis=1) + square - fitted
-            + np.linalg.slogdet(precisions)[1] - np.log(prior).sum())
+            + np.linalg.slogdet(precisions)[1])
         return cls((evidence + np.log([law.chance for law in tried])[:, None]).T, means,
                    precisions)
 

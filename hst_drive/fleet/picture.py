@@ -26,7 +26,8 @@ def picture(entry: Followed, label: str) -> Markup:
     """Return sizes with their intervals, what they follow and where that leads."""
     history, growth = entry.history, entry.growth
     scale, unit = _display(entry.unit)
-    values, wide = history.values * scale, 1.96 * history.sigmas * scale
+    values = history.values * scale
+    wide = 1.96 * np.hypot(history.sigmas, history.together) * scale
     first, now = float(history.days[0]), growth.now
     end = now + _AHEAD * max(now - first, 60.0)
     if entry.remaining and not far(entry.remaining.middle, now):

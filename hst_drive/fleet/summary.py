@@ -17,7 +17,7 @@ from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
-from hst_drive.fleet.track import OIL, POWER, POWERS
+from hst_drive.fleet.track import OIL, one_way, POWER, POWERS
 from hst_drive.identify.intervals import FORM
 import numpy as np
 
@@ -52,7 +52,7 @@ class Followed(NamedTuple):
     def there(self) -> bool:
         """Whether its size differs from none on the last day."""
         low, _, high = self.growth.level
-        return low > 0.0 or high < 0.0
+        return low > 0.0 or high < 0.0 and not one_way(self.effect)
 
     @property
     def grows(self) -> bool:
@@ -175,7 +175,7 @@ def _followed(rows: Sequence[dict], limits: Limits) -> list[Followed]:
         own = [days[day] for day in sorted(days)]
         sizes = [row['sizes'][effect] for row in own]
         history = _history(sorted(days), sizes, own)
-        growth = Growth(history, 0.0 if effect == OIL else FORM)
+        growth = Growth(history, 0.0 if effect == OIL else FORM, one_way(effect))
         parameter = str(sizes[0]['parameter'])
         limit = limits.get((effect, parameter))
         found.append(Followed(effect, parameter, str(sizes[0]['unit']), history, growth, limit,

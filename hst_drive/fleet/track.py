@@ -132,6 +132,12 @@ def leaks(effect: str) -> bool:
     return effect in known and known[effect].slot in LEAKS
 
 
+def one_way(effect: str) -> bool:
+    """Tell whether the size of an effect is of one sign, so that it grows upwards alone."""
+    known = catalogue(everything=True)
+    return effect in known and known[effect].parameters[0].low >= 0.0
+
+
 def to_follow(rows: Sequence[dict], rig: Rig,
               limited: Collection[str] = ()) -> dict[str, dict[str, float]]:
     """
