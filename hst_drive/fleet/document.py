@@ -6,7 +6,6 @@ from __future__ import annotations
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.summary import Followed, Machine, Summary
 from hst_drive.fleet.words import day, far, of_machine, sentence
-import numpy as np
 
 SCHEMA = 'hst_drive/fleet/2'
 
@@ -45,5 +44,5 @@ def _followed(entry: Followed) -> dict:
         'remaining': left and {
             'low': reached(left.low), 'middle': reached(left.middle), 'high': reached(left.high),
             'reached': left.reached},
-        'dates': [day(value) for value in history.days], 'values': history.values.tolist(),
-        'sigmas': np.hypot(history.sigmas, history.together).tolist()}
+        'dates': [day(value) for value in history.days], 'values': growth.usual.values.tolist(),
+        'sigmas': growth.usual.sigmas.tolist()}

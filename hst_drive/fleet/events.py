@@ -9,7 +9,7 @@ from hst_drive.effects import catalogue
 from hst_drive.fleet.track import leaks, OIL, one_way
 
 if TYPE_CHECKING:
-    from hst_drive.fleet.growth import Jump
+    from hst_drive.fleet.jumps import Jump
     from hst_drive.fleet.summary import Followed
 
 _BACK = 0.5     # of a size, that a repair leaves at most

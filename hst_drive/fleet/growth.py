@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.fleet.jumps import History, jumps
 from hst_drive.fleet.laws import ACCELERATING, at, inverse, Law, laws, ONSET, Stretch
 import numpy as np
 from scipy.special import softmax
@@ -26,37 +27,6 @@ _SCATTER = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0])
 _USUAL = np.array([0.3, 0.25, 0.2, 0.15, 0.07, 0.03])
 _DRAWS = 4000
 _SURE = 0.9             # chance from which growth is told as such
-_JUMP = 3.0             # standard deviations
-
-
-class History(NamedTuple):
-    """
-    Sizes of an effect, SI, with one standard deviation, on days in rising order.
-
-    ``temperatures`` are those of the oil, degC; empty if they are not known. ``thinner``: by how
-    much all sizes may be off together, date by date, one standard deviation; it comes instead.
-    """
-
-    days: np.ndarray
-    values: np.ndarray
-    sigmas: np.ndarray
-    temperatures: np.ndarray = np.empty(0)
-    thinner: np.ndarray = np.empty(0)
-
-    @property
-    def together(self) -> np.ndarray:
-        """It is ``thinner``, or none."""
-        return self.thinner if len(self.thinner) else np.zeros(len(self.days))
-
-
-class Jump(NamedTuple):
-    """A sudden change between two days: sizes before and after, and how sure a cut is there."""
-
-    after: float
-    before: float
-    first: float
-    last: float
-    chance: float
 
 
 class Remaining(NamedTuple):
@@ -100,6 +70,8 @@ class Growth:
         Sudden changes.
     season : float
         Chance that the size goes with the oil's temperature.
+    usual : History
+        The sizes without what they are off together, as far as that was found.
 
     """
 
@@ -107,10 +79,14 @@ class Growth:
         self.history = history
         self.now = float(history.days[-1])
         evidence = _Evidence(history)
-        self.jumps = _jumps(history, evidence.cuts)
         self.season = evidence.season
         random = np.random.default_rng(0)
         self._draws = evidence.draws(random)
+        off = self._draws.together
+        self.usual = history._replace(
+            values=history.values - off.mean() * history.together,
+            sigmas=np.hypot(history.sigmas, off.std() * history.together))
+        self.jumps = jumps(self.usual, evidence.cuts)
         self._true = np.exp(form * random.standard_normal(len(self._draws.kinds)))
         self.level = _quantiles(self._true * self._draws.at(self.now))
         rates = self._draws.rate(self.now)
@@ -160,6 +136,7 @@ class _Draws(NamedTuple):
     spans: np.ndarray
     levels: np.ndarray
     rises: np.ndarray
+    together: np.ndarray
 
     def at(self, day: float) -> np.ndarray:
         place = (day - self.starts) / self.spans
@@ -248,11 +225,11 @@ class _Evidence:
         for place in np.flatnonzero(counts):
             way, first, law, scatter = places[place]
             found, tried = self.stretches[way][first, count]
-            pair = found.draw(law, scatter, counts[place], random) * self.scale
+            level, rise, off = found.draw(law, scatter, counts[place], random).T
             span = float(np.ptp(days[first:])) or 1.0
             for column, value in zip(columns, (
-                    tried[law].kind, tried[law].shape, days[first], span, pair[:, 0],
-                    pair[:, 1] if tried[law].kind else 0.0 * pair[:, 1])):
+                    tried[law].kind, tried[law].shape, days[first], span, self.scale * level,
+                    self.scale * rise if tried[law].kind else 0.0, 0.0 if way else off)):
                 column.append(np.broadcast_to(value, counts[place]))
         return _Draws(*(np.concatenate(column) for column in columns))
 
@@ -274,26 +251,3 @@ def _sums(count: int, evidence: dict[tuple[int, int], np.ndarray]) -> tuple[np.n
             inner[first, end] + behind[end] + (np.log(_CUT) if end < count else 0.0)
             for end in range(first + 1, count + 1)], axis=0)
     return ahead, behind
-
-
-def _jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
-    """Return where a cut is likelier than not, and the size jumps beyond chance."""
-    found, left = [], cuts.copy()
-    while len(left) and left.max() > 0.0:
-        place = int(left.argmax())
-        first, last = place, place
-        # Which of two dates began the new stretch may be open.
-        for near in (place - 1, place + 1):
-            if 0 <= near < len(left) and left[first:last + 1].sum() < 0.9 and left[near] > 0.1:
-                first, last = min(first, near), max(last, near)
-        chance = float(left[first:last + 1].sum())
-        if chance < 0.5:
-            break
-        left[first:last + 1] = 0.0
-        one, other = history.values[first], history.values[last + 1]
-        ends = [first, last + 1]
-        sigma = np.hypot.reduce([*history.sigmas[ends], np.diff(history.together[ends])[0]])
-        if abs(other - one) > _JUMP * sigma:
-            found.append(Jump(float(history.days[first]), float(history.days[last + 1]),
-                              float(one), float(other), min(chance, 1.0)))
-    return tuple(sorted(found))

@@ -118,7 +118,6 @@ class Stretch(NamedTuple):
 
     def draw(self, law: int, scatter: int, count: int,
              random: np.random.Generator) -> np.ndarray:
-        """Return levels and rises, drawn by chance, shape (count, 2)."""
+        """Return level, rise and temperature's part, drawn by chance, shape (count, 3)."""
         root = np.linalg.cholesky(np.linalg.inv(self.precisions[law, scatter]))
-        drawn = self.means[law, scatter] + random.standard_normal((count, len(root))) @ root.T
-        return drawn[:, :2]
+        return self.means[law, scatter] + random.standard_normal((count, len(root))) @ root.T

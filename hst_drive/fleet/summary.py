@@ -17,7 +17,7 @@ from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
-from hst_drive.fleet.track import OIL, one_way, POWER, POWERS
+from hst_drive.fleet.track import OIL, one_way, POWER, POWER_SIGMA
 from hst_drive.identify.intervals import FORM
 import numpy as np
 
@@ -194,7 +194,7 @@ def _history(days: Sequence[float], sizes: Sequence[dict], rows: Sequence[dict])
     thin -= np.median(thin)
     usual, laminar = np.exp(-POWER * thin), np.exp(-thin) * [size['laminar'] for size in sizes]
     return History(np.array(days), usual * values, usual * sigmas, thinner=(
-        laminar - usual * values) * POWERS / (1.0 - POWER))
+        laminar - usual * values) * POWER_SIGMA / (1.0 - POWER))
 
 
 def _urgency_of(entry: Followed) -> tuple:

@@ -32,7 +32,7 @@ _LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator'}
 # What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
 # gaps): the middle, and one standard deviation where any is as plausible.
 THINNER = 'leakage_temperature'
-POWER, POWERS = 0.5, 12.0**-0.5
+POWER, POWER_SIGMA = 0.5, 12.0**-0.5
 _MOST = 3               # effects that are followed on one machine
 
 Sizes = dict[str, dict[str, object]]
