@@ -41,7 +41,7 @@ class Jump(NamedTuple):
 
 
 def jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
-    """Return where a cut is likelier than not, and the size jumps beyond chance."""
+    """Return where a cut is likelier than not, and the size jumps beyond chance and growth."""
     found, left = [], cuts.copy()
     while len(left) and left.max() > 0.0:
         place = int(left.argmax())
@@ -56,7 +56,16 @@ def jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
         left[first:last + 1] = 0.0
         one, other = history.values[first], history.values[last + 1]
         sigma = np.hypot(history.sigmas[first], history.sigmas[last + 1])
-        if abs(other - one) > _JUMP * sigma:
+        if abs(_beyond(history, first, last + 1)) > _JUMP * sigma:
             found.append(Jump(float(history.days[first]), float(history.days[last + 1]),
                               float(one), float(other), min(chance, 1.0)))
     return tuple(sorted(found))
+
+
+def _beyond(history: History, first: int, last: int) -> float:
+    """Return by how much a size changes between two dates beyond its growth before and after."""
+    days, values = history.days, history.values
+    slopes = np.diff(values) / np.diff(days)
+    near = [0.0, *slopes[max(first - 1, 0):first], *slopes[last:last + 1]]
+    change, gap = values[last] - values[first], days[last] - days[first]
+    return float(change - np.clip(change, min(near) * gap, max(near) * gap))

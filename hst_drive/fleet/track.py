@@ -28,7 +28,7 @@ OIL = 'line.bulk_modulus'
 CHANGE = 'change'       # of the oil's stiffness, as a share
 _OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oils lie apart
 # What does to a drive what a softer oil does.
-_LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator'}
+_LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator', 'line_inertance'}
 # What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
 # gaps): the middle, and one standard deviation where any is as plausible.
 THINNER = 'leakage_temperature'
@@ -174,8 +174,8 @@ def to_follow(rows: Sequence[dict], rig: Rig,
         named = {entry['id'] for entry in left} | {
             name for name in limited if votes.get(name, 0.0) >= 0.5 * len(left)}
         best = max(sorted(named), key=lambda name: (name in limited) * len(left) + votes[name])
-        own = [_values(entry) for entry in left if entry['id'] == best] or [{
-            entry.name: entry.typical for entry in known[best].parameters}]
+        own = [_values(entry) for entry in left if entry['id'] == best] or [
+            {**known[best].neutral, _first(best): known[best].parameters[0].typical}]
         chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
         alike = {best} | {entry['id'] for entry in found
                           if best in entry['indistinguishable_from']} | {

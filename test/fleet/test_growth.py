@@ -64,6 +64,17 @@ def test_a_repair_is_a_jump_after_which_all_begins_anew():
     assert found.kind == 'grows' and found.since > 250.0
 
 
+def test_growth_that_sets_in_between_two_dates_is_no_jump():
+    """A bend without a step, seen sharply."""
+    sizes = np.array([0.0, 0.01, 0.02, 0.06, 0.1, 0.15, 0.21, 0.3, 0.4, 0.53, 0.7, 0.92])
+    assert not Growth(History(DAYS, sizes, np.full(12, 0.003))).jumps
+    slow, fast = 1e-4 * DAYS, 1e-3 * (DAYS - 244.0)
+    bent = np.where(DAYS < 244.0, slow, fast + 0.08)
+    found = Growth(History(DAYS, bent + 0.2 * (DAYS > 200.0), np.full(12, 0.003)))
+    assert not Growth(History(DAYS, bent, np.full(12, 0.003))).jumps
+    assert [(jump.after, jump.before) for jump in found.jumps] == [(183.0, 244.0)]
+
+
 def test_summers_are_no_growth():
     warm = 50.0 + 10.0 * np.sin(2.0 * np.pi * DAYS / 365.25)
     found = Growth(history(lambda day: 0.3 + 0.2 * np.sin(2.0 * np.pi * day / 365.25),
