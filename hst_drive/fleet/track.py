@@ -160,7 +160,9 @@ def to_follow(rows: Sequence[dict], rig: Rig,
 
     """
     known = catalogue(everything=True)
-    found = [entry for row in rows for entry in _effects(row)]
+    each = [(row.get('diagnosis') or {}).get('effects') or [] for row in rows]
+    told = [{entry['id'] for entry in entries} for entries in each]
+    found = [entry for entries in each for entry in entries]
     chosen = {name: dict(values) for name, values in rig.effects.items()}
     of_oil = {*_LIKE_OIL, THINNER} - {*limited} if rig.fingerprint else set()
     left = [entry for entry in found if entry['id'] not in {*chosen, *of_oil}]
@@ -177,19 +179,13 @@ def to_follow(rows: Sequence[dict], rig: Rig,
         own = [_values(entry) for entry in left if entry['id'] == best] or [
             {**known[best].neutral, _first(best): known[best].parameters[0].typical}]
         chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
-        alike = {best} | {entry['id'] for entry in found
-                          if best in entry['indistinguishable_from']} | {
+        alike = {entry['id'] for entry in found if best in entry['indistinguishable_from']} | {
             name for name in named if known[name].slot == known[best].slot}
-        alike -= {other['id'] for row in rows for entries in [_effects(row)]
-                  if any(entry['id'] == best for entry in entries)
-                  for other in entries if other['id'] != best}
+        alike -= set().union(*(names for names in told if best in names))
         left = [entry for entry in left
-                if entry['id'] not in alike and best not in entry['indistinguishable_from']]
+                if entry['id'] not in {best, *alike}
+                and best not in entry['indistinguishable_from']]
     return chosen
-
-
-def _effects(row: dict) -> list[dict]:
-    return (row.get('diagnosis') or {}).get('effects') or []
 
 
 def _values(entry: dict) -> dict[str, float]:

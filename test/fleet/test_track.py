@@ -95,5 +95,6 @@ def test_what_the_oil_does_is_followed_as_the_oil():
     air = ('entrained_air', 'share', 0.01, [])
     warm = ('leakage_temperature', 'exponent', 1.0, [])
     assert {*to_follow([row(air), row(warm)], RIG)} == {'entrained_air', 'leakage_temperature'}
-    assert not to_follow([row(air), row(warm)], unit)
+    hose = ('line_inertance', 'inertance', 6e7, [])
+    assert not to_follow([row(air), row(warm), row(hose)], unit)
     assert [*to_follow([row(air)], unit, {'entrained_air'})] == ['entrained_air']
