@@ -83,6 +83,7 @@ SLOTS: dict[str, Slot] = {
 }
 
 # Places that the open circuit has not.
+LEAKS = ('pump_flow_loss', 'motor_flow_loss')
 OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
                                'gear_twist', 'gear_angle', 'valve_command', 'valve_lag'})
 

@@ -44,5 +44,5 @@ def _followed(entry: Followed) -> dict:
         'remaining': left and {
             'low': reached(left.low), 'middle': reached(left.middle), 'high': reached(left.high),
             'reached': left.reached},
-        'dates': [day(value) for value in history.days], 'values': history.values.tolist(),
-        'sigmas': history.sigmas.tolist()}
+        'dates': [day(value) for value in history.days], 'values': growth.usual.values.tolist(),
+        'sigmas': growth.usual.sigmas.tolist()}

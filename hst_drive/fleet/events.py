@@ -6,14 +6,13 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence, TYPE_CHECKING
 
 from hst_drive.effects import catalogue
-from hst_drive.fleet.track import OIL
+from hst_drive.fleet.track import leaks, OIL, one_way
 
 if TYPE_CHECKING:
-    from hst_drive.fleet.growth import Jump
+    from hst_drive.fleet.jumps import Jump
     from hst_drive.fleet.summary import Followed
 
 _BACK = 0.5     # of a size, that a repair leaves at most
-_FLOW = ('pump_flow_loss', 'motor_flow_loss')
 
 
 class Event(NamedTuple):
@@ -48,7 +47,7 @@ def _event(group: Sequence[tuple[Jump, Followed]]) -> Event:
         softer = oil[0].last < oil[0].first
         what = f'oil changed: {"softer" if softer else "stiffer"} than before' + (
             '; or air in it' if softer else '')
-        if any(_leaks(name) for name in effects):
+        if any(leaks(name) for name in effects):
             what += ', and the leakage jumped with it (another viscosity)'
         return Event(after, before, what, effects)
     return Event(after, before, '; '.join(dict.fromkeys(
@@ -56,18 +55,15 @@ def _event(group: Sequence[tuple[Jump, Followed]]) -> Event:
 
 
 def _said(jump: Jump, effect: str) -> str:
-    back = abs(jump.last) < _BACK * abs(jump.first)
     entry = catalogue(everything=True)[effect]
+    # Against what a machine was, a size that none has of less than none may be just that.
+    sign = 1.0 if one_way(effect) else max(jump.first, jump.last, key=abs)
+    back = sign * jump.last < sign * _BACK * jump.first
     if entry.enters == 'sensor':
         return f'{effect} {"gone" if back else "jumped"}: sensor replaced or set anew'
     if back:
         return f'{effect} fell back: repaired, or a part replaced'
-    if abs(jump.last) < abs(jump.first):
+    if sign * jump.last < sign * jump.first:
         return f'{effect} fell at once: repaired in part, or other oil'
     return f'{effect} jumped: damage, ' + (
-        'or thinner oil' if _leaks(effect) else 'or a part replaced')
-
-
-def _leaks(effect: str) -> bool:
-    known = catalogue(everything=True)
-    return effect in known and known[effect].slot in _FLOW
+        'or thinner oil' if leaks(effect) else 'or a part replaced')

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.fleet.jumps import History, jumps
 from hst_drive.fleet.laws import ACCELERATING, at, inverse, Law, laws, ONSET, Stretch
 import numpy as np
 from scipy.special import softmax
@@ -26,30 +27,6 @@ _SCATTER = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0])
 _USUAL = np.array([0.3, 0.25, 0.2, 0.15, 0.07, 0.03])
 _DRAWS = 4000
 _SURE = 0.9             # chance from which growth is told as such
-_JUMP = 3.0             # standard deviations
-
-
-class History(NamedTuple):
-    """
-    Sizes of an effect, SI, with one standard deviation, on days in rising order.
-
-    ``temperatures`` are those of the oil, degC; empty if they are not known.
-    """
-
-    days: np.ndarray
-    values: np.ndarray
-    sigmas: np.ndarray
-    temperatures: np.ndarray = np.empty(0)
-
-
-class Jump(NamedTuple):
-    """A sudden change between two days: sizes before and after, and how sure a cut is there."""
-
-    after: float
-    before: float
-    first: float
-    last: float
-    chance: float
 
 
 class Remaining(NamedTuple):
@@ -76,6 +53,8 @@ class Growth:
     form : float
         Relative standard deviation by which all of them may be off together: the formula's. It
         makes no trend, but who gives a limit means the true size.
+    one_way : bool
+        Whether the size grows upwards alone, also where it is less than none.
 
     Attributes
     ----------
@@ -91,28 +70,35 @@ class Growth:
         Sudden changes.
     season : float
         Chance that the size goes with the oil's temperature.
+    usual : History
+        The sizes without what they are off together, as far as that was found.
 
     """
 
-    def __init__(self, history: History, form: float = 0.0):
+    def __init__(self, history: History, form: float = 0.0, one_way: bool = False):
         self.history = history
         self.now = float(history.days[-1])
         evidence = _Evidence(history)
-        self.jumps = _jumps(history, evidence.cuts)
         self.season = evidence.season
         random = np.random.default_rng(0)
         self._draws = evidence.draws(random)
+        off = self._draws.together
+        self.usual = history._replace(
+            values=history.values - off.mean() * history.together,
+            sigmas=np.hypot(history.sigmas, off.std() * history.together))
+        self.jumps = jumps(self.usual, evidence.cuts)
         self._true = np.exp(form * random.standard_normal(len(self._draws.kinds)))
-        self.level = _quantiles(self._true * self.at(self.now))
+        self.level = _quantiles(self._true * self._draws.at(self.now))
         rates = self._draws.rate(self.now)
         self.rate = _quantiles(rates)
-        self.kind, self.since = self._kind(rates)
+        self.kind, self.since = self._kind(rates, one_way)
 
-    def _kind(self, rates: np.ndarray) -> tuple[str, float | None]:
+    def _kind(self, rates: np.ndarray, one_way: bool) -> tuple[str, float | None]:
         if len(self.history.days) < FEWEST:
             return 'too few dates', None
         # A size of no sign of its own, near zero, grows whichever way it goes.
-        outward = np.sign(self.level[1]) or np.sign(np.median(rates[rates != 0.0]))
+        outward = 1.0 if one_way else np.sign(self.level[1]) or np.sign(
+            np.median(rates[rates != 0.0]))
         away, back = (np.mean(rates * side > 0.0) for side in (outward, -outward))
         if max(away, back) < _SURE:
             return ('steady' if np.mean(rates == 0.0) > 0.5 else 'not clear'), None
@@ -123,13 +109,9 @@ class Growth:
         faster = np.mean(self._draws.kinds[moving] == ACCELERATING) > 0.5
         return 'accelerates' if faster else 'grows', since
 
-    def at(self, day: float) -> np.ndarray:
-        """Return draws of the size on a day of the last stretch or later."""
-        return self._draws.at(day)
-
     def band(self, day: float) -> tuple[float, float, float]:
         """Return low, middle and high of a 95 % interval on a day."""
-        return _quantiles(self.at(day))
+        return _quantiles(self._draws.at(day))
 
     def remaining(self, limit: float) -> Remaining | None:
         """Return when a limit is reached; None with too few dates."""
@@ -154,6 +136,7 @@ class _Draws(NamedTuple):
     spans: np.ndarray
     levels: np.ndarray
     rises: np.ndarray
+    together: np.ndarray
 
     def at(self, day: float) -> np.ndarray:
         place = (day - self.starts) / self.spans
@@ -188,8 +171,9 @@ class _Evidence:
         count = len(history.days)
         warm = history.temperatures
         season = len(warm) == count and np.ptp(warm) > 0.0
-        self.ways = [None, (warm - np.median(warm)) / max(np.ptp(warm), _WARMER)] if season \
-            else [None]
+        self.ways = [history.together / self.scale]
+        if season:
+            self.ways.append(0.5 * (warm - np.median(warm)) / max(np.ptp(warm), _WARMER))
         self.stretches: list[dict[tuple[int, int], tuple[Stretch, tuple[Law, ...]]]] = []
         forward, total, cuts = [], [], []
         for way in self.ways:
@@ -208,7 +192,7 @@ class _Evidence:
         self.cuts = np.einsum('wm,wdm->d', self.weights, np.array(cuts)) if count > 1 \
             else np.empty(0)
 
-    def _table(self, way: np.ndarray | None):
+    def _table(self, way: np.ndarray):
         days, values = self.history.days, self.history.values / self.scale
         table = {}
         for first in range(len(days)):
@@ -218,8 +202,7 @@ class _Evidence:
                 places = (days[part] - days[first]) / span
                 tried = laws(places)
                 table[first, end] = Stretch.of(
-                    tried, places, values[part], self.variances[:, part],
-                    None if way is None else way[part]), tried
+                    tried, places, values[part], self.variances[:, part], way[part]), tried
         return table
 
     def draws(self, random: np.random.Generator) -> _Draws:
@@ -242,11 +225,11 @@ class _Evidence:
         for place in np.flatnonzero(counts):
             way, first, law, scatter = places[place]
             found, tried = self.stretches[way][first, count]
-            pair = found.draw(law, scatter, counts[place], random) * self.scale
+            level, rise, off = found.draw(law, scatter, counts[place], random).T
             span = float(np.ptp(days[first:])) or 1.0
             for column, value in zip(columns, (
-                    tried[law].kind, tried[law].shape, days[first], span, pair[:, 0],
-                    pair[:, 1] if tried[law].kind else 0.0 * pair[:, 1])):
+                    tried[law].kind, tried[law].shape, days[first], span, self.scale * level,
+                    self.scale * rise if tried[law].kind else 0.0, 0.0 if way else off)):
                 column.append(np.broadcast_to(value, counts[place]))
         return _Draws(*(np.concatenate(column) for column in columns))
 
@@ -268,25 +251,3 @@ def _sums(count: int, evidence: dict[tuple[int, int], np.ndarray]) -> tuple[np.n
             inner[first, end] + behind[end] + (np.log(_CUT) if end < count else 0.0)
             for end in range(first + 1, count + 1)], axis=0)
     return ahead, behind
-
-
-def _jumps(history: History, cuts: np.ndarray) -> tuple[Jump, ...]:
-    """Return where a cut is likelier than not, and the size jumps beyond chance."""
-    found, left = [], cuts.copy()
-    while len(left) and left.max() > 0.0:
-        place = int(left.argmax())
-        first, last = place, place
-        # Which of two dates began the new stretch may be open.
-        for near in (place - 1, place + 1):
-            if 0 <= near < len(left) and left[first:last + 1].sum() < 0.9 and left[near] > 0.1:
-                first, last = min(first, near), max(last, near)
-        chance = float(left[first:last + 1].sum())
-        if chance < 0.5:
-            break
-        left[first:last + 1] = 0.0
-        one, other = history.values[first], history.values[last + 1]
-        sigma = np.hypot(history.sigmas[first], history.sigmas[last + 1])
-        if abs(other - one) > _JUMP * sigma:
-            found.append(Jump(float(history.days[first]), float(history.days[last + 1]),
-                              float(one), float(other), min(chance, 1.0)))
-    return tuple(sorted(found))

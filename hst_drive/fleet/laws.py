@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 STEADY, LINEAR, ONSET, ACCELERATING = range(4)
-_CHANCES = {STEADY: 0.5, LINEAR: 0.2, ONSET: 0.15, ACCELERATING: 0.15}
+_STEADY = 0.5           # chance; all ways to grow are as likely
 _RATES = (1.0, 2.0, 3.0, 4.5, 6.0)    # of an exponential, over the stretch
 
 
@@ -34,8 +34,8 @@ def laws(places: np.ndarray) -> tuple[Law, ...]:
     if len(places) > 3:
         # Two dates at least before it and after it; on a date or between two.
         shapes[ONSET] = [*places[1:-2], *(0.5 * (places[1:-2] + places[2:-1]))]
-    total = sum(_CHANCES[kind] for kind in shapes)
-    return tuple(Law(kind, float(shape), _CHANCES[kind] / total / len(listed))
+    growing = (1.0 - _STEADY) / max(len(shapes) - 1, 1)
+    return tuple(Law(kind, float(shape), (growing if kind else _STEADY) / len(listed))
                  for kind, listed in shapes.items() for shape in listed)
 
 
@@ -44,9 +44,10 @@ def at(kinds: np.ndarray, shapes: np.ndarray, places: np.ndarray) -> np.ndarray:
     kinds, shapes = np.asarray(kinds), np.asarray(shapes)
     late = np.where(kinds == ONSET, shapes, 0.0)
     rate = np.where(kinds == ACCELERATING, shapes, 1.0)
-    return np.select([kinds == LINEAR, kinds == ONSET, kinds == ACCELERATING], [
-        places, np.maximum(places - late, 0.0) / (1.0 - late),
-        np.expm1(rate * places) / np.expm1(rate)], 0.0)
+    with np.errstate(over='ignore'):    # what accelerates is beyond all bounds one day
+        return np.select([kinds == LINEAR, kinds == ONSET, kinds == ACCELERATING], [
+            places, np.maximum(places - late, 0.0) / (1.0 - late),
+            np.expm1(rate * places) / np.expm1(rate)], 0.0)
 
 
 def inverse(kinds: np.ndarray, shapes: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -62,15 +63,15 @@ class Stretch(NamedTuple):
     What the dates of a stretch say of each law and scatter.
 
     The law's level and rise, and how the size goes with the oil's temperature, are normal with a
-    standard deviation of one scale (temperature: half) before anything is measured; so the
-    evidence is a closed form.
+    standard deviation of one (scale) before anything is measured; so the evidence is a closed
+    form.
 
     Attributes
     ----------
     evidence : ndarray, shape (scatters, laws)
         Natural logarithm, with the chance of the law.
-    means, precisions : ndarray, shape (laws, scatters, n) and (laws, scatters, n, n)
-        Of level, rise and, perhaps, temperature.
+    means, precisions : ndarray, shape (laws, scatters, 3) and (laws, scatters, 3, 3)
+        Of level, rise and temperature.
 
     """
 
@@ -80,7 +81,7 @@ class Stretch(NamedTuple):
 
     @classmethod
     def of(cls, tried: tuple[Law, ...], places: np.ndarray, values: np.ndarray,
-           variances: np.ndarray, season: np.ndarray | None) -> Stretch:
+           variances: np.ndarray, season: np.ndarray) -> Stretch:
         """
         Return the evidence of a stretch.
 
@@ -94,34 +95,29 @@ class Stretch(NamedTuple):
             Sizes, scaled.
         variances : ndarray, shape (scatters, dates)
             Of each size, for each scatter.
-        season : ndarray, shape (dates,), optional
-            Temperatures, scaled.
+        season : ndarray, shape (dates,)
+            What temperatures do to the sizes, one standard deviation, scaled.
 
         """
         count = len(values)
         kinds, shapes = (np.array(column)[:, None] for column in list(zip(*tried))[:2])
         moved = at(kinds, shapes, places)
-        columns = [np.ones_like(moved), moved]
-        prior = [1.0, 1.0]
-        if season is not None:
-            columns.append(np.broadcast_to(season, moved.shape))
-            prior.append(4.0)
-        design = np.stack(columns, axis=-1)                         # laws, dates, unknowns
+        design = np.stack([np.ones_like(moved), moved, np.broadcast_to(season, moved.shape)],
+                          axis=-1)                                  # laws, dates, unknowns
         weighed = np.einsum('lnp,mn->lmnp', design, 1.0 / variances)
-        precisions = np.einsum('lmnp,lnq->lmpq', weighed, design) + np.diag(prior)
+        precisions = np.einsum('lmnp,lnq->lmpq', weighed, design) + np.eye(3)
         pull = np.einsum('lmnp,n->lmp', weighed, values)
         means = np.linalg.solve(precisions, pull[..., None])[..., 0]
         fitted = np.einsum('lmp,lmp->lm', pull, means)
         square = (values**2 / variances).sum(axis=1)
         evidence = -0.5 * (
             count * np.log(2.0 * np.pi) + np.log(variances).sum(axis=1) + square - fitted
-            + np.linalg.slogdet(precisions)[1] - np.log(prior).sum())
+            + np.linalg.slogdet(precisions)[1])
         return cls((evidence + np.log([law.chance for law in tried])[:, None]).T, means,
                    precisions)
 
     def draw(self, law: int, scatter: int, count: int,
              random: np.random.Generator) -> np.ndarray:
-        """Return levels and rises, drawn by chance, shape (count, 2)."""
+        """Return level, rise and temperature's part, drawn by chance, shape (count, 3)."""
         root = np.linalg.cholesky(np.linalg.inv(self.precisions[law, scatter]))
-        drawn = self.means[law, scatter] + random.standard_normal((count, len(root))) @ root.T
-        return drawn[:, :2]
+        return self.means[law, scatter] + random.standard_normal((count, len(root))) @ root.T

@@ -115,9 +115,9 @@ def _machines(summary: Summary) -> Markup:
     return section(
         'machines', 'Machine by machine',
         note('A dot is what a date says, with its 95 % interval; also where a diagnosis named '
-             'nothing. The band is what all laws that fit (steady, linear, from some day on, '
-             'accelerating) say together, with 95 %; orange: what comes if it goes on like that. '
-             'Grey: something changed between two dates.'),
+             'nothing; a leak in oil as warm as it usually is. The band is what all laws that fit '
+             '(steady, linear, from some day on, accelerating) say together, with 95 %; orange: '
+             'what comes if it goes on like that. Grey: something changed between two dates.'),
         *(_machine(number, machine) for number, machine in enumerate(summary.machines)))
 
 

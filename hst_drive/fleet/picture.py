@@ -24,7 +24,7 @@ INK, SOFT, BLUE, RED, ORANGE = '#1b1f24', '#57606a', '#0072b2', '#b03a00', '#d55
 
 def picture(entry: Followed, label: str) -> Markup:
     """Return sizes with their intervals, what they follow and where that leads."""
-    history, growth = entry.history, entry.growth
+    growth, history = entry.growth, entry.growth.usual
     scale, unit = _display(entry.unit)
     values, wide = history.values * scale, 1.96 * history.sigmas * scale
     first, now = float(history.days[0]), growth.now

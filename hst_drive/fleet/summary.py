@@ -17,7 +17,7 @@ from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
-from hst_drive.fleet.track import OIL
+from hst_drive.fleet.track import OIL, one_way, POWER, POWER_SIGMA
 from hst_drive.identify.intervals import FORM
 import numpy as np
 
@@ -52,7 +52,7 @@ class Followed(NamedTuple):
     def there(self) -> bool:
         """Whether its size differs from none on the last day."""
         low, _, high = self.growth.level
-        return low > 0.0 or high < 0.0
+        return low > 0.0 or high < 0.0 and not one_way(self.effect)
 
     @property
     def grows(self) -> bool:
@@ -174,17 +174,27 @@ def _followed(rows: Sequence[dict], limits: Limits) -> list[Followed]:
         days = {day_of(row['date']): row for row in rows if effect in row['sizes']}
         own = [days[day] for day in sorted(days)]
         sizes = [row['sizes'][effect] for row in own]
-        warm = [row['oil_temperature'] for row in own]
-        history = History(
-            np.array(sorted(days)), *(np.array([size[key] for size in sizes])
-                                      for key in ('value', 'sigma')),
-            np.empty(0) if None in warm else np.array(warm))
-        growth = Growth(history, 0.0 if effect == OIL else FORM)
+        history = _history(sorted(days), sizes, own)
+        growth = Growth(history, 0.0 if effect == OIL else FORM, one_way(effect))
         parameter = str(sizes[0]['parameter'])
         limit = limits.get((effect, parameter))
         found.append(Followed(effect, parameter, str(sizes[0]['unit']), history, growth, limit,
                               None if limit is None else growth.remaining(limit)))
     return found
+
+
+def _history(days: Sequence[float], sizes: Sequence[dict], rows: Sequence[dict]) -> History:
+    """Return the sizes that were measured, of a leak those in oil as it usually is."""
+    values, sigmas = (np.array([size[key] for size in sizes]) for key in ('value', 'sigma'))
+    warm = [row['oil_temperature'] for row in rows]
+    if not all('laminar' in size for size in sizes):
+        return History(np.array(days), values, sigmas,
+                       np.empty(0) if None in warm else np.array(warm))
+    thin = -np.log([row['viscosity'] for row in rows])
+    thin -= np.median(thin)
+    usual, laminar = np.exp(-POWER * thin), np.exp(-thin) * [size['laminar'] for size in sizes]
+    return History(np.array(days), usual * values, usual * sigmas, thinner=(
+        laminar - usual * values) * POWER_SIGMA / (1.0 - POWER))
 
 
 def _urgency_of(entry: Followed) -> tuple:

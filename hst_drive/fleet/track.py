@@ -9,11 +9,13 @@ stiffness of the oil is followed too: a machine keeps its own, its oil is change
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
+from hst_drive.effects.base import LEAKS
+from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.conditions import prior
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.part import campaign_of
@@ -26,17 +28,28 @@ OIL = 'line.bulk_modulus'
 CHANGE = 'change'       # of the oil's stiffness, as a share
 _OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oils lie apart
 # What does to a drive what a softer oil does.
-_LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator'}
+_LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator', 'line_inertance'}
+# What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
+# gaps): the middle, and one standard deviation where any is as plausible.
+THINNER = 'leakage_temperature'
+POWER, POWER_SIGMA = 0.5, 12.0**-0.5
 _MOST = 3               # effects that are followed on one machine
 
 Sizes = dict[str, dict[str, object]]
 
 
 class Tracked(NamedTuple):
-    """Sizes by effect, each with parameter, unit, value and standard deviation; temperature."""
+    """
+    Sizes by effect, each with parameter, unit, value and standard deviation.
+
+    Of a leak it is the one in the oil as it was, if all leakages follow its viscosity by the power
+    ``POWER``; ``laminar``: by 1. Temperature (degC) and viscosity (m^2/s) of the oil are None if
+    they are not known.
+    """
 
     sizes: Sizes
     oil_temperature: float | None
+    viscosity: float | None
 
 
 def track(rig: Rig, runs: Sequence[Run],
@@ -54,9 +67,25 @@ def track(rig: Rig, runs: Sequence[Run],
         Effects to follow, with parameters (SI) for their form.
 
     """
+    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
+    warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
+    grade = rig.line.oil_grade if rig.line else ''
+    thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
+    if thick is None or THINNER in rig.effects or not any(map(leaks, effects)):
+        sizes = _sizes(rig, runs, effects)
+    else:
+        sizes, other = (_sizes(replace(rig, effects={**rig.effects, THINNER: {
+            'exponent': power}}), runs, effects) for power in (POWER, 1.0))
+        for name in effects:
+            if name in sizes and leaks(name):
+                sizes[name]['laminar'] = other[name]['value']
+    return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
+                   None if thick is None else float(thick))
+
+
+def _sizes(rig: Rig, runs: Sequence[Run], effects: Mapping[str, Mapping[str, float]]) -> Sizes:
     campaign = campaign_of(rig, runs).of_logs(lambda log: True, all_to_fit=True)
-    wider, campaign.ties = prior(rig, runs, sizes=True)
-    campaign.tolerances = {key: wider[key] for key in campaign.tolerances}
+    campaign.signed = True
     known = {name: dict(values) for name, values in effects.items()
              if not campaign.out_of_reach(name)}
     # Of what is adopted the form is known, and the size is fitted.
@@ -78,9 +107,7 @@ def track(rig: Rig, runs: Sequence[Run],
                                    variance)
         elif oil and name[1] == OIL:
             sizes[OIL] = _size(CHANGE, '1', np.expm1(value), variance * np.exp(2.0 * value))
-    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
-    return Tracked(sizes, float(from_si(np.nanmedian(np.concatenate(temperatures)), 'degC'))
-                   if temperatures else None)
+    return sizes
 
 
 def _size(parameter: str, unit: str, value: float, variance: float) -> dict[str, object]:
@@ -99,6 +126,18 @@ def _free_oil(campaign: Campaign, rig: Rig, effects: Iterable[str]) -> bool:
     return True
 
 
+def leaks(effect: str) -> bool:
+    """Tell whether an effect is a leakage."""
+    known = catalogue(everything=True)
+    return effect in known and known[effect].slot in LEAKS
+
+
+def one_way(effect: str) -> bool:
+    """Tell whether the size of an effect is of one sign, so that it grows upwards alone."""
+    known = catalogue(everything=True)
+    return effect in known and known[effect].parameters[0].low >= 0.0
+
+
 def to_follow(rows: Sequence[dict], rig: Rig,
               limited: Collection[str] = ()) -> dict[str, dict[str, float]]:
     """
@@ -106,7 +145,9 @@ def to_follow(rows: Sequence[dict], rig: Rig,
 
     What the logs do not tell apart may be named one way on one date and another on the next: the
     name that fits most dates is taken, the form from where it was largest. Where one of them has
-    a limit and fits half of the dates, that is the name.
+    a limit and fits half of the dates, that is the name. A name that is told beside another on no
+    date is a second one for it if they were look-alikes once or act at the same place. What a
+    machine's oil does as well (``OIL``, ``THINNER``) is followed as such.
 
     Parameters
     ----------
@@ -118,9 +159,13 @@ def to_follow(rows: Sequence[dict], rig: Rig,
         Effects that the user has given a limit for.
 
     """
-    found = [entry for row in rows for entry in (row.get('diagnosis') or {}).get('effects') or []]
+    known = catalogue(everything=True)
+    each = [(row.get('diagnosis') or {}).get('effects') or [] for row in rows]
+    told = [{entry['id'] for entry in entries} for entries in each]
+    found = [entry for entries in each for entry in entries]
     chosen = {name: dict(values) for name, values in rig.effects.items()}
-    left = [entry for entry in found if entry['id'] not in chosen]
+    of_oil = {*_LIKE_OIL, THINNER} - {*limited} if rig.fingerprint else set()
+    left = [entry for entry in found if entry['id'] not in {*chosen, *of_oil}]
     while left and len(chosen) < _MOST + len(rig.effects):
         votes: dict[str, float] = {}
         for entry in left:
@@ -131,11 +176,15 @@ def to_follow(rows: Sequence[dict], rig: Rig,
         named = {entry['id'] for entry in left} | {
             name for name in limited if votes.get(name, 0.0) >= 0.5 * len(left)}
         best = max(sorted(named), key=lambda name: (name in limited) * len(left) + votes[name])
-        own = [_values(entry) for entry in left if entry['id'] == best] or [{
-            entry.name: entry.typical for entry in catalogue(everything=True)[best].parameters}]
+        own = [_values(entry) for entry in left if entry['id'] == best] or [
+            {**known[best].neutral, _first(best): known[best].parameters[0].typical}]
         chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
+        alike = {entry['id'] for entry in found if best in entry['indistinguishable_from']} | {
+            name for name in named if known[name].slot == known[best].slot}
+        alike -= set().union(*(names for names in told if best in names))
         left = [entry for entry in left
-                if best not in (entry['id'], *entry['indistinguishable_from'])]
+                if entry['id'] not in {best, *alike}
+                and best not in entry['indistinguishable_from']]
     return chosen
 
 

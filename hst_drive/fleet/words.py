@@ -120,8 +120,9 @@ def of_machine(machine: Machine) -> list[str]:
         if entry.there or entry.growth.kind != 'steady':
             told.append(f'{entry.effect} ({title(entry.effect)}): now {size(entry)}; '
                         f'{trend(entry)}.' + (f' Its {until(entry)}.' if until(entry) else ''))
-    told += [f'Between {day(event.after)} and {day(event.before)}: {event.what}.'
-             for event in machine.events]
+    told += [f'Between {day(event.after)} and {day(event.before)}: {event.what}.' + (
+        ' Commission the machine anew for this oil.' if OIL in event.effects else '')
+        for event in machine.events]
     if not told:
         told.append('Nothing found: what each campaign says stands at the end.'
                     if machine.state == SOUND else

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.effects import catalogue, Parameter
-from hst_drive.effects.base import OF_OTHER_CIRCUITS
+from hst_drive.effects.base import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
 from hst_drive.measure.floor import replay_floor
@@ -86,6 +86,7 @@ class Campaign:
     events = EVENTS
     searched: tuple[str, ...] = ('always',)
     advice = ''     # what to record next; empty: a test can be designed
+    signed = False  # whether a leak may be less than none: against what a machine was, it may
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         self.rig = rig
@@ -146,7 +147,11 @@ class Campaign:
 
     def parameter(self, name: str, key: str) -> Parameter:
         """Return a parameter of an effect, with bounds that are plausible on this machine."""
-        return catalogue(everything=True)[name].parameter(key)
+        effect = catalogue(everything=True)[name]
+        found = effect.parameter(key)
+        if self.signed and found is effect.parameters[0] and effect.slot in LEAKS:
+            return replace(found, low=-found.high)
+        return found
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""

@@ -39,20 +39,18 @@ class Outside(NamedTuple):
         return f'{CHANNELS[self.channel].title} {low} to {high} {unit} (there {first} to {last})'
 
 
-def prior(rig: Rig, runs: Sequence[Run], sizes: bool = False
+def prior(rig: Rig, runs: Sequence[Run]
           ) -> tuple[dict[str, float], dict[tuple[str, str], float]]:
     """
     Return by how much factors of the unit may be off (logarithm, one sigma), and what ties them.
 
     Where the oil is warmer or colder than a machine was commissioned for, its leakages are known
-    no better than the power with which they follow the viscosity. Of ``sizes`` that are compared
-    from day to day that counts within these temperatures as well: a leakage was learnt for their
-    middle.
+    no better than the power with which they follow the viscosity.
     """
     sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return sigmas, {}
-    more = _POWER * _thinner(rig, runs, sizes)
+    more = _POWER * _thinner(rig, runs)
     wider = {key: float(np.hypot(value, more)) if key in _GAPS else value
              for key, value in sigmas.items()}
     shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
@@ -60,12 +58,8 @@ def prior(rig: Rig, runs: Sequence[Run], sizes: bool = False
                    for (one, other), value in rig.fingerprint.correlation.items()}
 
 
-def _thinner(rig: Rig, runs: Sequence[Run], middle: bool) -> float:
-    """
-    Return by what factor (logarithm) the viscosity lies beyond what was commissioned.
-
-    ``middle``: by what it is on average off the middle of that.
-    """
+def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
+    """Return by what factor (logarithm) the viscosity lies beyond what was commissioned."""
     grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs)
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
@@ -74,8 +68,6 @@ def _thinner(rig: Rig, runs: Sequence[Run], middle: bool) -> float:
     thick, thin = (float(np.log(viscosity(end, grade)))
                    for end in rig.fingerprint.conditions['oil_temperature'])
     now = np.log([viscosity(end, grade) for end in reach])
-    if middle:
-        return float(abs(now.mean() - 0.5 * (thick + thin)))
     return float(np.abs(now - np.clip(now, thin, thick)).max())
 
 

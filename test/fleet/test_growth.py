@@ -64,6 +64,17 @@ def test_a_repair_is_a_jump_after_which_all_begins_anew():
     assert found.kind == 'grows' and found.since > 250.0
 
 
+def test_growth_that_sets_in_between_two_dates_is_no_jump():
+    """A bend without a step, seen sharply."""
+    sizes = np.array([0.0, 0.01, 0.02, 0.06, 0.1, 0.15, 0.21, 0.3, 0.4, 0.53, 0.7, 0.92])
+    assert not Growth(History(DAYS, sizes, np.full(12, 0.003))).jumps
+    slow, fast = 1e-4 * DAYS, 1e-3 * (DAYS - 244.0)
+    bent = np.where(DAYS < 244.0, slow, fast + 0.08)
+    found = Growth(History(DAYS, bent + 0.2 * (DAYS > 200.0), np.full(12, 0.003)))
+    assert not Growth(History(DAYS, bent, np.full(12, 0.003))).jumps
+    assert [(jump.after, jump.before) for jump in found.jumps] == [(183.0, 244.0)]
+
+
 def test_summers_are_no_growth():
     warm = 50.0 + 10.0 * np.sin(2.0 * np.pi * DAYS / 365.25)
     found = Growth(history(lambda day: 0.3 + 0.2 * np.sin(2.0 * np.pi * day / 365.25),
@@ -84,6 +95,21 @@ def test_a_few_kelvin_count_as_well():
     left, without = found.remaining(1.0), blind.remaining(1.0)
     assert left.low < END / 0.6 < left.high
     assert left.high - left.low < 0.6 * (without.high - without.low)
+
+
+def test_what_all_sizes_may_be_off_together_is_found():
+    """It is the generalised least squares estimate of a line, by a covariance of rank one."""
+    together = 0.1 * np.sin(2.0 * np.pi * DAYS / 365.25) + 0.05
+    made = history(lambda day: 0.6 * day / END + 1.5 * together, sigma=0.01)
+    found = Growth(made._replace(thinner=together))
+    design = np.column_stack([np.ones_like(DAYS), DAYS])
+    weight = np.linalg.inv(1e-4 * np.eye(len(DAYS)) + np.outer(together, together))
+    slope = np.linalg.solve(design.T @ weight @ design, design.T @ weight @ made.values)[1]
+    assert found.kind == 'grows' and not found.jumps
+    assert found.rate[1] == pytest.approx(slope, rel=0.05)
+    left, blind = found.remaining(1.0), Growth(made).remaining(1.0)
+    assert left.low < END / 0.6 < left.high
+    assert left.high - left.low < 0.5 * (blind.high - blind.low)
 
 
 def test_a_size_that_gets_more_negative_grows():

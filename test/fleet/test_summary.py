@@ -9,9 +9,10 @@ from hst_drive.fleet.page import fleet_page
 from hst_drive.fleet.summary import AHEAD, GROWS, summarise
 from hst_drive.fleet.words import sentence
 from hst_drive.report.plain import plain
+import numpy as np
 import pytest
 
-from .lives import fleet, START, together, TYPICAL
+from .lives import fleet, rows, SIGMA, START, together, TYPICAL
 
 LIMIT = 1.6 * TYPICAL
 LIMITS = {('motor_leakage', 'conductance'): LIMIT}
@@ -53,6 +54,45 @@ def test_wear_is_told_with_its_end(machines):
     assert entry.growth.rate[0] < TYPICAL / 671 < entry.growth.rate[2]
     true = START.toordinal() + 1.6 * 671
     assert entry.remaining.low < true < entry.remaining.high
+
+
+@pytest.mark.parametrize('power', [0.0, 0.5, 1.0])
+def test_a_leak_is_told_in_oil_as_it_usually_is(power):
+    """
+    A machine leaks TYPICAL by its table and as much again after 671 days; its summers are warm.
+
+    All goes with a power of the viscosity. What is left of it if the table goes with another one
+    is what logs of each date tell.
+    """
+    days = 61.0 * np.arange(12)
+    thin = np.exp(0.3 * np.sin(2.0 * np.pi * days / 365.25))
+    law = TYPICAL * days / days[-1]
+
+    def left(other):
+        return (law + TYPICAL) * thin**power - TYPICAL * thin**other
+
+    found, followed = rows('warm', days, left(0.5), sigma=0.5 * SIGMA)
+    for row, size, viscosity in zip(followed, left(1.0) - left(0.5), 3e-5 / thin):
+        row['viscosity'] = viscosity
+        own = row['sizes']['motor_leakage']
+        own['laminar'] = own['value'] + size
+    machine, = summarise(together((found, followed)), LIMITS).machines
+    entry, = machine.followed
+    assert entry.grows and not machine.events
+    assert entry.growth.level[0] < TYPICAL < entry.growth.level[2]
+    assert entry.growth.rate[0] < TYPICAL / 671 < entry.growth.rate[2]
+    assert entry.growth.usual.values == pytest.approx(law, abs=0.06 * TYPICAL)
+    assert entry.remaining.low < START.toordinal() + 1.6 * 671 < entry.remaining.high
+
+
+def test_a_repair_is_one_below_none_as_well():
+    """Against a machine's first days, which need not have been its best."""
+    days = 61.0 * np.arange(12)
+    machine, = summarise(together(rows('low', days, np.where(
+        days < 400, 0.5 * TYPICAL * days / 366, -0.6 * TYPICAL)))).machines
+    event, = machine.events
+    assert event.what.startswith('motor_leakage fell back: repaired')
+    assert not machine.followed[0].there
 
 
 def test_without_a_limit_it_only_grows(lives):
