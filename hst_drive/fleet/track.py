@@ -160,7 +160,9 @@ def to_follow(rows: Sequence[dict], rig: Rig,
 
     """
     known = catalogue(everything=True)
-    each = [(row.get('diagnosis') or {}).get('effects') or [] for row in rows]
+    # An effect of one's own may not be installed any more.
+    each = [[entry for entry in (row.get('diagnosis') or {}).get('effects') or []
+             if entry['id'] in known] for row in rows]
     told = [{entry['id'] for entry in entries} for entries in each]
     found = [entry for entries in each for entry in entries]
     chosen = {name: dict(values) for name, values in rig.effects.items()}

@@ -31,6 +31,10 @@ def test_look_alikes_are_one_and_others_are_others():
     assert found['viscous_drag'] == {**found['viscous_drag'], 'coefficient': 0.5}
 
 
+def test_an_effect_that_is_not_installed_any_more_is_passed_over():
+    assert [*to_follow([row(('of_my_own', 'size', 1.0, [])), row(LEAK)], RIG)] == ['motor_leakage']
+
+
 def test_what_has_a_limit_gives_its_name():
     assert [*to_follow([row(LEAK), row(SCORED), row(SCORED)], RIG, {'motor_leakage'})] == [
         'motor_leakage']
