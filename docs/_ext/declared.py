@@ -196,7 +196,7 @@ def of_channels():
 def of_balances():
     """Every balance of a part: what it predicts, from what, and with which keys of the rig."""
     return table(('balance', 'predicts', 'from all of', 'the rig file has', 'not used beside'), (
-        (entry.name, _either(entry.predicts), '; '.join(map(_either, entry.needs)),
+        (entry.name, _either(entry.groups[0]), '; '.join(map(_either, entry.groups[1:])),
          _either(entry.rig, ', '), _either(entry.without, ', ')) for entry in BALANCES.values()))
 
 
@@ -208,8 +208,7 @@ def of_circuits():
                   f'{circuit.title[0].upper()}{circuit.title[1:]}. The rig file has '
                   f'{_either(circuit.sections, ", ")}.', table(
                       ('balance', 'predicts', 'from all of', 'what is missing enters'),
-                      ((entry.name, f'`{entry.signal}`', '; '.join(
-                          _either(need.split('|')) for need in entry.needs),
+                      ((entry.name, f'`{entry.signal}`', '; '.join(map(_either, entry.groups[1:])),
                         entry.enters.replace('_', ' ')) for entry in circuit.balances))]
     return '\n\n'.join(lines)
 

@@ -49,6 +49,7 @@ class LoadProfile(DriveNode):
         self._load = (('pprv_command', scenario.load.pprv_command) if rig.loading else
                       ('load_torque_command', scenario.load.torque))
         self._start: int | None = None
+        self._plan: tuple[int, int] | None = None   # lockstep: ns between steps, and how many
         self._count = 0
         self._timer = None
 
@@ -73,7 +74,8 @@ class LoadProfile(DriveNode):
         if word == sync.START and self._start is None:
             self._begin(stamp)
             self._plan = (counts['period'], counts['steps']) if self.lockstep else None
-        if self.lockstep and self.settings['lookahead'] and word in (sync.START, sync.ASK):
+        # A question of before the start is that of a plant of another run.
+        if self._plan and self.settings['lookahead'] and word in (sync.START, sync.ASK):
             self._play_ahead(stamp)
         elif word == sync.LAST and self._timer is not None:
             self._timer.cancel()

@@ -34,10 +34,16 @@ def start(*arguments: str, file_size: int | None = None) -> subprocess.Popen:
                             preexec_fn=limit if file_size else None)
 
 
-def run(*arguments: str) -> tuple[int, str, str]:
+def run(*arguments: str, patience: float = PATIENCE) -> tuple[int, str, str]:
     """Run ``hst-drive`` to its end; return code, output and errors."""
     process = start(*arguments)
-    out, err = process.communicate(timeout=PATIENCE)
+    try:
+        out, err = process.communicate(timeout=patience)
+    except subprocess.TimeoutExpired:
+        # It takes its nodes along, which else would talk to those of the next test.
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=PATIENCE)
+        raise
     return process.returncode, out, err
 
 
