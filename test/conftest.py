@@ -52,6 +52,7 @@ MARKERS = {
     'long': 'stands in long.txt; ./dev test leaves it out, ./dev test --all runs it',
     'slow': 'takes long without numba; left out with the oldest versions',
     'needs_numba': 'tests the compiled path; skipped where numba is not installed',
+    'flaky': 'in real time, which a busy machine can spoil: tried twice; the summary tells',
 }
 # Tests and files that take long, one a line, as --write-long found them.
 LONG = Path(__file__).with_name('long.txt')
@@ -129,3 +130,5 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.long)
         if not HAS_NUMBA and item.get_closest_marker('needs_numba'):
             item.add_marker(pytest.mark.skip(reason='numba is not installed'))
+        if row(item.nodeid) == 'real time':
+            item.add_marker(pytest.mark.flaky(reruns=1, only_rerun=['.']))

@@ -82,8 +82,9 @@ SLOTS: dict[str, Slot] = {
     'torque_reading': Slot('sensor', 'N.m', 'added to the torque reading'),
 }
 
-# Places that the open circuit has not.
+# Places where oil leaves a line.
 LEAKS = ('pump_flow_loss', 'motor_flow_loss')
+# Places that the open circuit has not.
 OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
                                'gear_twist', 'gear_angle', 'valve_command', 'valve_lag'})
 

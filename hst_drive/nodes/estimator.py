@@ -67,7 +67,7 @@ class Estimator(DriveNode):
         # What a map names comes.
         mapped = [CHANNEL_FIELDS[name][0].name for name in CHANNEL_FIELDS
                   if name in self._map.entries]
-        self._extra = (*settings['extra_topics'], *mapped)
+        self._extra = (*wiring.asked(settings['extra_topics'], rig.circuit), *mapped)
         self._expected = tuple(name for name in _READ if wiring.comes(
             name, self._extra, rig.circuit))
         self._circuit = rig.circuit

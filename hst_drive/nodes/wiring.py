@@ -63,6 +63,17 @@ def comes(name: str, extra: Iterable[str], circuit: str) -> bool:
         or WITH_READING.get(name) in (*extra, *_ADDS[circuit]))
 
 
+def asked(extra: Iterable[str], circuit: str) -> tuple[str, ...]:
+    """Return the extra topics; raises ``InputError`` if the circuit's plant has not one."""
+    extra, there = tuple(extra), [name for name in SENSORS if name not in _LACKS[circuit]]
+    for name in extra:
+        if name not in there:
+            near = get_close_matches(name, there, n=1)
+            raise InputError(f"topic '{name}' is none of the plant's; " + (
+                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(there)}"))
+    return extra
+
+
 def readings(extra: Iterable[str] = (), circuit: str = 'open') -> tuple[str, ...]:
     """
     Return the names of the topics that the plant publishes as a rig's sensors would.
@@ -80,14 +91,8 @@ def readings(extra: Iterable[str] = (), circuit: str = 'open') -> tuple[str, ...
         If a name is not one of the plant's topics.
 
     """
-    extra = tuple(extra)
-    there = [name for name in SENSORS if name not in _LACKS[circuit]]
-    for name in extra:
-        if name not in there:
-            near = get_close_matches(name, there, n=1)
-            raise InputError(f"topic '{name}' is none of the plant's; " + (
-                f"did you mean '{near[0]}'?" if near else f"it has {', '.join(there)}"))
-    return tuple(name for name in there if comes(name, extra, circuit))
+    extra = asked(extra, circuit)
+    return tuple(name for name in SENSORS if comes(name, extra, circuit))
 
 
 def recorded(nodes: Iterable[str], extra: Iterable[str] = (), truth: bool = False,

@@ -108,14 +108,16 @@ class Characteristic:
 
     def _modelled(self, pressure: float, speed: float) -> tuple[float, float]:
         """Return leakage and torque of the loss model at an operating point."""
-        charge = self._model.rig.charge
-        low = charge.relief_pressure if charge else 0.0
-        known = tell(self._model, {
-            name: np.array([value]) for name, value in zip((*LINES, SPEED), (
-                pressure + low, low, speed))}, np.zeros(1)) if isinstance(
-                    self._model, CircuitModel) else self._model.complete({
-                        SPEED: speed, 'pressure': pressure, 'pump_pressure': pressure})
-        found = losses(self._model, known, speed)
+        model = self._model
+        if isinstance(model, CircuitModel):
+            low = model.rig.charge.relief_pressure if model.rig.charge else 0.0
+            known = tell(model, {
+                LINES[0]: np.array([pressure + low]), LINES[1]: np.array([low]),
+                SPEED: np.array([speed])}, np.zeros(1))
+        else:
+            known = model.complete({
+                SPEED: speed, 'pressure': pressure, 'pump_pressure': pressure})
+        found = losses(model, known, speed)
         return float(np.squeeze(found.leakage)), float(np.squeeze(found.torque))
 
     def resistances(self, pressure: float, speed: float) -> tuple[Resistances | None, str]:

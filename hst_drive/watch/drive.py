@@ -15,7 +15,7 @@ from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.characteristic import Characteristic, Resistances
 from hst_drive.watch.figures import (
-    INLET, losses, lost, measured, modelled, moment_of, signals_for, switched, TEMPERATURE,
+    INLET, judged, losses, lost, measured, modelled, moment_of, signals_for, switched, TEMPERATURE,
     uncertainty)
 from hst_drive.watch.naming import Signatures
 from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
@@ -98,10 +98,10 @@ class Observer:
         self._optional = tuple(name for name in (
             TEMPERATURE, INLET, 'motor_displacement_command') if name in signals)
         # Without a flow meter the pump tells the flow: its lag has to settle.
-        self._before = 0 if rig.circuit == OPEN else round(LEAD * BILLION)
+        self._lead = round(LEAD * BILLION)
+        self._before = 0 if rig.circuit == OPEN else self._lead
         self._half = round(0.5 * settings.window * BILLION)
         self._length = round(settings.block * BILLION)
-        self._lead = round(LEAD * BILLION)
         memory = LEAD + 2 * settings.block + settings.window + settings.timeout
         self._stream = Stream(self.signals, memory, settings.timeout)
         self._restarts = 0
@@ -113,7 +113,8 @@ class Observer:
         self._came = came
         self._doubt: float | None = None
         self.balances = Balances(self.rig, came, self.settings.accuracy)
-        self._of_figures = signals_for(self.rig, came)
+        self._judged = judged(self.balances.closed, self.rig.circuit)
+        self._of_figures = signals_for(self._judged, self.rig.circuit, came)
         self._watch()
 
     def _watch(self) -> None:
@@ -173,7 +174,8 @@ class Observer:
         if switched(window.values):
             return Figures(middle, 'the hydromotor stands on its second displacement')
         lead = self._before / BILLION
-        moment = moment_of(window, middle, self.model, _NARROW, lead, self._doubt or 0.0)
+        moment = moment_of(window, middle, self.model, self._judged, _NARROW, lead,
+                           self._doubt or 0.0)
         if moment is None:
             return Figures(middle, 'not enough samples yet')
         speed = window.values[SPEED][window.time >= lead]
@@ -224,7 +226,7 @@ class Observer:
             self._doubt = math.hypot(*(
                 slope * self.balances.spread[key] for key, slope in delivered.moved_by.items()
                 if not key.startswith(('motor.', 'gear.', 'sensor.'))))
-        speed = samples.mean(samples.known.get('true', samples.known)[SPEED])
+        speed = samples.mean(samples.speed)
         at = losses(self.model, samples.known, speed)
         flow, torque = lost(samples.residuals, at)
         if math.isnan(flow + torque):

@@ -16,15 +16,16 @@ from __future__ import annotations
 
 from itertools import chain
 import math
-from typing import Any, NamedTuple
+from typing import Any, Mapping, NamedTuple
 
 from hst_drive.losses.efficiency import braking, Limits, Performance, performance, reason_not_valid
-from hst_drive.measure.circuit_balances import told_of, watched
+from hst_drive.measure.circuit_balances import told_of
 from hst_drive.model.circuit_model import CircuitModel
+from hst_drive.model.circuits import Balance
+from hst_drive.model.circuits.motor_text import SWITCHES_AT
 from hst_drive.model.part import PartModel
-from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
-from hst_drive.watch.samples import Accuracy, bell, noise_of, Samples, SPEED
+from hst_drive.watch.samples import Accuracy, bell, LEAST, noise_of, Samples, SPEED
 from hst_drive.watch.stream import Window
 import numpy as np
 
@@ -32,8 +33,6 @@ PRESSURE, FLOW, TORQUE = 'pump_outlet_pressure', 'motor_inlet_flow', 'load_torqu
 INLET, TEMPERATURE = 'motor_inlet_pressure', 'oil_temperature'
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW)
 LINES = ('line_a_pressure', 'line_b_pressure')
-_BALANCES = ('motor_torque', 'motor_flow', 'pump_flow')
-_LEAST = 5      # samples about a moment
 
 
 class Moment(NamedTuple):
@@ -101,16 +100,23 @@ def lost(found: dict[str, float], at: Losses) -> tuple[float, float]:
 
 def switched(values: dict[str, np.ndarray]) -> bool:
     """Say whether the hydromotor stands on its second displacement, which no figure knows."""
-    return bool(np.any(values.get('motor_displacement_command', 0.0) > 5.0))
+    return bool(np.any(values.get('motor_displacement_command', 0.0) > SWITCHES_AT))
 
 
-def signals_for(rig: Rig, signals: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the signals that the figures need, the speed first."""
-    if rig.circuit == OPEN:
+def judged(closed: Mapping[str, Balance], circuit: str) -> dict[str, Balance]:
+    """Return those of the balances that tell what the hydromotor loses."""
+    # The open circuit has its flow meter at the hydromotor.
+    names = ('motor_torque', 'motor_flow', *['pump_flow'] * (circuit != OPEN))
+    return {name: closed[name] for name in names if name in closed}
+
+
+def signals_for(balances: Mapping[str, Balance], circuit: str, signals: tuple[str, ...]
+                ) -> tuple[str, ...]:
+    """Return the signals that the figures need by these balances, the speed first."""
+    if circuit == OPEN:
         return SIGNALS
-    closed = watched(signals, rig)
     return tuple(dict.fromkeys((SPEED, 'motor_torque', *LINES, *chain(*(
-        closed[name].channels(signals) for name in _BALANCES if name in closed)))))
+        entry.channels(signals) for entry in balances.values())))))
 
 
 def _parabola(at: np.ndarray) -> np.ndarray:
@@ -120,8 +126,8 @@ def _parabola(at: np.ndarray) -> np.ndarray:
     return np.linalg.solve(powers @ powers.T, (1.0, 0.0, 0.0)) @ powers
 
 
-def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
-              lead: float = 0.0, doubt: float = 0.0) -> Moment | None:
+def moment_of(window: Window, stamp: int, model: PartModel, balances: Mapping[str, Balance],
+              narrow: float, lead: float = 0.0, doubt: float = 0.0) -> Moment | None:
     """
     Return the motor at ``stamp``; None if samples are too few.
 
@@ -134,6 +140,8 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
         ns.
     model : PartModel
         Loss model of the motor, adopted effects and calibration included.
+    balances : mapping of str to Balance
+        As of ``judged``.
     narrow : float
         Half the width of the smoothing of pressure and speed, s.
     lead : float
@@ -143,22 +151,18 @@ def moment_of(window: Window, stamp: int, model: PartModel, narrow: float,
 
     """
     middle = (stamp - window.start) * 1e-9
-    inside = window.time >= lead - 1e-9
-    wide = bell(window.time[inside], middle)
+    wide = bell(window.time, middle, lead)
     if wide is None:
         return None
-    level, rate = np.zeros((2, len(window.time)))
-    level[inside], rate[inside] = wide
+    level, rate = wide
     from_middle = np.abs(window.time - middle)
-    near = from_middle <= max(narrow, np.partition(from_middle, _LEAST - 1)[_LEAST - 1])
+    near = from_middle <= max(narrow, np.partition(from_middle, LEAST - 1)[LEAST - 1])
     short = _parabola(window.time[near] - middle)
     rig, displacement = model.rig, model.motor_displacement
     channels = {name: np.array([short @ values[near]]) for name, values in window.values.items()}
     speed = float(channels[SPEED][0])
     at = losses(model, told_of(model, channels, np.zeros(1), 0.0, None), speed)
-    closed = watched(window.values, rig)
-    samples = Samples(model, {name: closed[name] for name in _BALANCES if name in closed}, window,
-                      level, rate, 0.0)
+    samples = Samples(model, balances, window, level, rate, 0.0)
     excess, missing = lost(samples.residuals, at)
     pressure, leak, made = (float(value[0]) for value in at[:3])
     speed *= at.way

@@ -29,7 +29,6 @@ _FLOOR = 0.25       # of the scatter between units: how good a calibrated model 
 _CREEPING, _SCATTER = 0.023, 5.0     # of the full speed; deviations of the sensor's noise
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
-_STEP = 1e-3        # of a reading, by which differences are taken
 _SENSOR = 'sensor.'
 _LINES = frozenset({'pump_outlet_pressure', 'line_a_pressure', 'line_b_pressure'})
 
@@ -116,15 +115,14 @@ class Balances:
 
         """
         first = (start - window.start) * 1e-9
-        inside = window.time >= first - 1e-9
-        weights = bell(window.time[inside], first + (end - start) * 0.5e-9)
+        weights = bell(window.time, first + (end - start) * 0.5e-9, first)
         if weights is None:
             return 'too few samples'
+        level, rate = weights
+        inside = level > 0.0
         reason = self._reason({name: values[inside] for name, values in window.values.items()})
         if reason:
             return reason
-        level, rate = np.zeros((2, len(window.time)))
-        level[inside], rate[inside] = weights
         samples = Samples(self.model, self.closed, window, level, rate, self._creeping)
         if not samples.residuals:
             return NEITHER
@@ -137,7 +135,7 @@ class Balances:
             # Noise, and what comes too early or too late.
             unsure = float(np.hypot(left * self._noise[channel], _STAMPS * (rate @ values)))
             per = self._accuracy.of(CHANNELS[channel].unit, mean)[1]
-            for name, slope in samples.by_channel(channel, _STEP * (abs(mean) or 1.0)).items():
+            for name, slope in samples.by_channel(channel).items():
                 parts[name][_SENSOR + channel] = slope * per
                 noise[name] = float(np.hypot(noise[name], slope * unsure))
         for key in self.rig.scatter:

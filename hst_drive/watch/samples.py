@@ -18,7 +18,7 @@ import numpy as np
 SPEED = 'motor_speed'
 _STEP = 1e-3        # of a quantity, by which differences are taken
 _CHANGES = 0.1      # s before the samples that a balance that hangs on something is judged in
-_LEAST = 5          # samples in a window
+LEAST = 5           # samples in a window
 
 
 class Accuracy(NamedTuple):
@@ -47,7 +47,8 @@ def noise_of(rig: Rig, name: str) -> float:
     return math.hypot(sensor.noise_std, sensor.resolution / math.sqrt(12)) if sensor else 0.0
 
 
-def bell(time: np.ndarray, middle: float) -> tuple[np.ndarray, np.ndarray] | None:
+def bell(time: np.ndarray, middle: float, first: float = -math.inf
+         ) -> tuple[np.ndarray, np.ndarray] | None:
     """
     Return weights whose sums are a smoothed signal and the equally smoothed rate of a signal.
 
@@ -61,6 +62,8 @@ def bell(time: np.ndarray, middle: float) -> tuple[np.ndarray, np.ndarray] | Non
         s.
     middle : float
         Where the weights are highest, s.
+    first : float
+        Samples before it weigh nothing, s.
 
     Returns
     -------
@@ -68,18 +71,20 @@ def bell(time: np.ndarray, middle: float) -> tuple[np.ndarray, np.ndarray] | Non
         None if the samples are too few or lie on one side.
 
     """
-    if len(time) < _LEAST:
+    inside = time >= first - 1e-9
+    at = time[inside] - middle
+    if len(at) < LEAST:
         return None
-    at = time - middle
     half = max(-at[0], at[-1]) * (1 + 1 / len(at))
     if min(-at[0], at[-1]) < 0.5 * half:
         return None
     place = at / half
-    level = (1 - place * place)**2
-    level /= level.sum()
-    rate = place * (1 - place * place)
-    rate -= rate.mean()
-    return level, rate / (rate @ at)
+    level, rate = np.zeros((2, len(time)))
+    level[inside] = (1 - place * place)**2
+    inner = place * (1 - place * place)
+    inner -= inner.mean()
+    rate[inside] = inner / (inner @ at)
+    return level / level.sum(), rate
 
 
 class Samples:
@@ -144,6 +149,11 @@ class Samples:
             predicted(balance, model, known, channels, self._weak))
         return error * (self._model.motor_displacement if balance.swept else 1.0)
 
+    @property
+    def speed(self) -> np.ndarray:
+        """The hydromotor's speed as it is, whatever its sensor does, rad/s."""
+        return self.known.get('true', self.known)[SPEED]
+
     def drained(self) -> float:
         """Return what the case drain's meter reads; NaN without one."""
         return self.mean(self._channels.get('case_drain_flow', math.nan))
@@ -155,8 +165,9 @@ class Samples:
         return 0.0 if balance.equation else balance.sheet * abs(self.mean(reading)) * (
             self._model.motor_displacement if balance.swept else 1.0)
 
-    def by_channel(self, channel: str, step: float) -> dict[str, float]:
+    def by_channel(self, channel: str) -> dict[str, float]:
         """Return how the residuals that go by a channel move with it."""
+        step = _STEP * (abs(self.mean(self._channels[channel])) or 1.0)
         moved = {**self._channels, channel: self._channels[channel] + step}
         known = self._told(self._model, moved)
         return {name: (self._residual(name, self._model, moved, known) - before) / step

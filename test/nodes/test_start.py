@@ -135,6 +135,15 @@ def test_wrong_arguments_are_one_line(arguments, words):
     assert done.stderr.count('controller: ') == 1
 
 
+def test_a_topic_that_the_circuit_has_not_is_told():
+    done = subprocess.run(
+        [sys.executable, '-m', 'hst_drive.nodes.estimator', '--ros-args', '-p',
+         'extra_topics:=[charge_pressure]'], timeout=PATIENCE, env=environment(),
+        capture_output=True, text=True)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert "topic 'charge_pressure' is none of the plant's" in done.stderr
+
+
 def test_a_parameter_that_a_node_does_not_have_is_told():
     with node('controller', '-p', 'stop_tme:=2.0', '-p',
               'qos_overrides./drive/motor.subscription.depth:=5', '-p',

@@ -4,22 +4,30 @@
 import math
 
 from hst_drive.losses.efficiency import Limits
+from hst_drive.measure.circuit_balances import watched
 from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 from hst_drive.watch.characteristic import Characteristic
 from hst_drive.watch.drive import Observer, Settings
 from hst_drive.watch.figures import (
-    Accuracy, bell, FLOW, measured, moment_of, PRESSURE, SIGNALS, SPEED, TORQUE, uncertainty)
+    Accuracy, bell, FLOW, judged, measured, moment_of, PRESSURE, SIGNALS, SPEED, TORQUE,
+    uncertainty)
 from hst_drive.watch.stream import Stream, Window
 import numpy as np
 import pytest
 
 BILLION = 10**9
 RIG = default_rig()
+MODEL, BALANCES = PartModel(RIG), judged(watched(SIGNALS, RIG), RIG.circuit)
 DISPLACEMENT = 195e-6 / (2 * np.pi)
 ALL = (*SIGNALS, 'pump_command', 'pprv_command', 'oil_temperature')
 STEADY = {SPEED: 10.0, TORQUE: 200.0, PRESSURE: 75e5, FLOW: 20e-3 / 60, 'pump_command': 5.7,
           'pprv_command': 2.5, 'oil_temperature': 323.15}
+
+
+def moment(window):
+    """Return the motor in the middle of half a second."""
+    return moment_of(window, 245_000_000, MODEL, BALANCES, 0.04)
 
 
 def feed(observer, seconds, first=1.0, leave_out=(), signals=None):
@@ -94,6 +102,8 @@ def test_level_and_rate_of_a_line_are_exact():
     assert level @ line == pytest.approx(3.0 + 7.0 * 0.245)
     assert rate @ line == pytest.approx(7.0)
     assert bell(time[:3], 0.0) is None and bell(time, 0.49) is None
+    late, _ = bell(time, 0.345, 0.2)
+    assert not late[:20].any() and late @ line == pytest.approx(3.0 + 7.0 * 0.345)
 
 
 def test_the_rate_is_the_derivative_of_the_level():
@@ -108,14 +118,12 @@ def test_the_rate_is_the_derivative_of_the_level():
 
 def test_torque_that_the_inertia_takes_is_not_lost():
     """A motor without losses that speeds up: 100 % at every moment."""
-    model = PartModel(RIG)
     time = np.arange(50) / 100
     speed = 8.0 + 12.0 * time
     pressure = np.full(50, 60e5)
     values = {SPEED: speed, PRESSURE: pressure, FLOW: DISPLACEMENT * speed,
-              TORQUE: pressure * DISPLACEMENT - model.inertia * 12.0}
-    moment = moment_of(Window(0, time, values), 245_000_000, model, 0.04)
-    figures, reason = measured(moment, DISPLACEMENT)
+              TORQUE: pressure * DISPLACEMENT - MODEL.inertia * 12.0}
+    figures, reason = measured(moment(Window(0, time, values)), DISPLACEMENT)
     assert not reason
     assert figures.volumetric == pytest.approx(1.0, abs=1e-9)
     assert figures.hydromechanical == pytest.approx(1.0, abs=1e-9)
@@ -123,13 +131,13 @@ def test_torque_that_the_inertia_takes_is_not_lost():
 
 def test_uncertainty_is_that_of_draws():
     """Against Monte Carlo over the sensors' offsets."""
-    model, random = PartModel(RIG), np.random.default_rng(1)
+    random = np.random.default_rng(1)
     accuracy = Accuracy(pressure=4e4, flow=0.004, torque=1.5)
     window = Window(0, np.arange(50) / 100, {
         name: np.full(50, STEADY[name]) for name in SIGNALS})
 
     def at(window):
-        return measured(moment_of(window, 245_000_000, model, 0.04), DISPLACEMENT)[0]
+        return measured(moment(window), DISPLACEMENT)[0]
 
     draws = []
     for _ in range(400):
@@ -139,8 +147,8 @@ def test_uncertainty_is_that_of_draws():
                  TORQUE: window.values[TORQUE] + 1.5 * off[2]}
         found = at(Window(0, window.time, moved))
         draws.append((found.volumetric, found.hydromechanical, found.overall, found.torque_loss))
-    moment = moment_of(window, 245_000_000, model, 0.04)
-    stated = uncertainty(moment._replace(noise=(0.0,) * 4), at(window), DISPLACEMENT, accuracy)
+    stated = uncertainty(moment(window)._replace(noise=(0.0,) * 4), at(window), DISPLACEMENT,
+                         accuracy)
     assert np.std(draws, axis=0) == pytest.approx(
         [stated.volumetric, stated.hydromechanical, stated.overall, stated.torque_loss], rel=0.12)
 

@@ -113,7 +113,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
     cross_port_pressure = rated_pressure = p[P_relief_set_pressure]
     motor_displacement = p[P_motor_displacement]
-    if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
+    if motor_displacement_command > p[P_switches_at] and p[P_second_displacement] > 0.0:
         motor_displacement = p[P_second_displacement]
     difference = line_a_pressure - line_b_pressure
     # Between equal lines the way that the pump is going to deliver decides.

@@ -86,7 +86,8 @@ def motor_numbers(rig):
     coulomb, viscous, share = motor.torque_loss or (0.0, 0.0, 0.0)
     return {
         'motor_displacement': motor.displacement,
-        'second_displacement': motor.second_displacement, 'inertia': motor.inertia,
+        'second_displacement': motor.second_displacement, 'switches_at': SWITCHES_AT,
+        'inertia': motor.inertia,
         'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
         'pistons': float(motor.pistons), 'coulomb': coulomb, 'viscous': viscous,
         'torque_share': share, 'by_coefficients': float(motor.torque_loss is not None),
@@ -100,5 +101,6 @@ SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia'
           'gear.efficiency': 'motor_efficiency_scale'}
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
+SWITCHES_AT = 5.0   # V: a higher command switches to the second displacement
 SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign
 LEAKS = 0.02        # of the leakage: its table is of one temperature, and of one unit's gaps

@@ -46,7 +46,7 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
               opposing_torque, motor_displacement_command, p, on, cells, layout):
     """Return the rates of the other states, then the quantities."""
     motor_displacement = p[P_motor_displacement]
-    if motor_displacement_command > 5.0 and p[P_second_displacement] > 0.0:
+    if motor_displacement_command > p[P_switches_at] and p[P_second_displacement] > 0.0:
         motor_displacement = p[P_second_displacement]
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
