@@ -8,7 +8,8 @@ Twenty machines over two years, and whether the page tells what happened to them
 Machines of the truth generator wear (steadily, from some day on, faster and faster), get other
 oil, are repaired, get another sensor, and have warm summers. Every two months two logs of 20 s are
 recorded. ``fleet`` follows them; what it says is laid beside what was done. It goes on where it
-was interrupted.
+was interrupted. ``--known``: what each wears by is given and nothing is diagnosed; how sizes
+grow is judged alone.
 """
 from __future__ import annotations
 
@@ -23,6 +24,12 @@ from test.truth.catalogue import EFFECTS
 from test.truth.unit import datasheet
 from typing import NamedTuple
 
+from hst_drive.effects import catalogue
+from hst_drive.fleet.campaigns import Campaign
+from hst_drive.fleet.document import as_json
+from hst_drive.fleet.life import Lives
+from hst_drive.fleet.summary import summarise
+from hst_drive.fleet.task import commission_machine, row_of, track_campaign
 import numpy as np
 import yaml
 
@@ -30,7 +37,6 @@ START = date(2024, 1, 10)
 MONTHS = range(0, 24, 2)
 LIMIT = 2.0             # of what is typical
 _DAYS = 365.25 / 12     # in a month
-_FIRST = 930_000        # seed
 _LOGS = ('drilling', 'speed_sweep')
 # Effect: form of the truth and its number, our parameter.
 WEAR = {'motor_leakage': ('laminar', 'g_motor', 'conductance'),
@@ -99,7 +105,7 @@ def sheet_of(life: Life, month: float) -> dict:
     return sheet
 
 
-def make(folder: Path, number: int, life: Life) -> None:
+def make(folder: Path, number: int, life: Life, first: int) -> None:
     """Write the campaigns of a machine."""
     place = folder / f'rig_{number + 1:02}'
     for month in MONTHS:
@@ -113,11 +119,11 @@ def make(folder: Path, number: int, life: Life) -> None:
         name, since, size = life.sensor
         if name and month > since:
             hidden[name] = {'size': size, 'form': 'factor'}
-        seed = _FIRST + 100 * number + month
+        seed = first + 100 * number + month
         warm = 50.0 + life.summer * np.sin(2.0 * np.pi * (month - 2.0) / 12.0) + float(
             np.random.default_rng(seed).uniform(-1.5, 1.5))
         made = make_campaign(seed, hidden, duration=20.0, rate_hz=50.0, logs=_LOGS,
-                             sheet=sheet_of(life, month), unit_seed=_FIRST + number,
+                             sheet=sheet_of(life, month), unit_seed=first + number,
                              temperature={log: (warm - 1.0, warm + 1.0) for log in _LOGS},
                              keep_exact=False)
         write_campaign(made, at)
@@ -154,25 +160,55 @@ def told(machine: dict, life: Life) -> dict[str, bool]:
     return found
 
 
+def fleet(folder: Path, args: argparse.Namespace, limits: dict[tuple[str, str], float]) -> dict:
+    """Return what the program says."""
+    subprocess.run([sys.executable, '-m', 'hst_drive', 'fleet', str(folder / 'logs'), '--results',
+                    str(folder / 'results'), '--json', str(folder / 'fleet.json'), '-o',
+                    str(folder / 'fleet.html'), '--workers', str(args.workers),
+                    *(f'--limit={name}={size:.6g}' for (name, _), size in limits.items())],
+                   check=True)
+    return json.loads((folder / 'fleet.json').read_text())
+
+
+def known(folder: Path, args: argparse.Namespace, limits: dict[tuple[str, str], float]) -> dict:
+    """Return what the fleet tells if each machine's effect is known."""
+    rows, sizes = [], []
+    for number in args.machines:
+        name, wear = f'rig_{number:02}', LIVES[number - 1].wear
+        place = folder / 'logs' / name
+        days = [Campaign(day.name, name, day.name, tuple(map(str, sorted(day.glob('*.csv')))), (),
+                         rig=str(place / 'rig.yaml'))
+                for day in sorted(place.iterdir()) if day.is_dir()]
+        unit = folder / f'{name}.yaml'
+        unit.write_text(yaml.safe_dump(commission_machine(days[0]._replace(
+            logs=days[0].logs + days[1].logs))['unit']))
+        effects = {}
+        if wear:
+            first = catalogue()[wear].parameters[0]
+            effects[wear] = {**catalogue()[wear].neutral, first.name: first.typical}
+        rows += [row_of(day, status='commissioned', reason=None, diagnosis=None) for day in days]
+        sizes += [track_campaign(day._replace(rig=str(unit)), {name: effects}) for day in days]
+    lives = Lives(rows, {}, sizes)
+    return as_json(lives, summarise(lives, limits))
+
+
 def main() -> None:
     """Make what is missing, follow the fleet and print what was told."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--folder', default='life')
     parser.add_argument('--machines', type=int, nargs='+', default=range(1, len(LIVES) + 1),
                         help='numbers of those to follow (default: all)')
+    parser.add_argument('--seed', type=int, default=930_000)
+    parser.add_argument('--known', action='store_true', help='the effect is given')
     parser.add_argument('--workers', type=int, default=1)
     args = parser.parse_args()
     folder = Path(args.folder)
     for number in args.machines:
-        make(folder / 'logs', number - 1, LIVES[number - 1])
-    limits = [f'--limit={name}={LIMIT * EFFECTS[name].typical[number]:.6g}'
-              for name, (_, number, _) in WEAR.items()]
-    subprocess.run([sys.executable, '-m', 'hst_drive', 'fleet', str(folder / 'logs'), '--results',
-                    str(folder / 'results'), '--json', str(folder / 'fleet.json'), '-o',
-                    str(folder / 'fleet.html'), '--workers', str(args.workers), *limits],
-                   check=True)
-    machines = {entry['name']: entry
-                for entry in json.loads((folder / 'fleet.json').read_text())['machines']}
+        make(folder / 'logs', number - 1, LIVES[number - 1], args.seed)
+    limits = {(name, key): LIMIT * EFFECTS[name].typical[number]
+              for name, (_, number, key) in WEAR.items()}
+    follow = known if args.known else fleet
+    machines = {entry['name']: entry for entry in follow(folder, args, limits)['machines']}
     count: dict[str, list[bool]] = {}
     for number in args.machines:
         life, name = LIVES[number - 1], f'rig_{number:02}'

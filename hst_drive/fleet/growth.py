@@ -51,8 +51,8 @@ class Growth:
     history : History
         The sizes.
     form : float
-        Relative standard deviation by which all of them may be off together: the formula's. It
-        makes no trend, but who gives a limit means the true size.
+        Relative standard deviation by which all of them may be off together: the formula's. As
+        the history's ``offset`` it makes no trend, but who gives a limit means the true size.
     one_way : bool
         Whether the size grows upwards alone, also where it is less than none.
 
@@ -88,7 +88,8 @@ class Growth:
             sigmas=np.hypot(history.sigmas, off.std() * history.together))
         self.jumps = jumps(self.usual, evidence.cuts)
         self._true = np.exp(form * random.standard_normal(len(self._draws.kinds)))
-        self.level = _quantiles(self._true * self._draws.at(self.now))
+        self._off = history.offset * random.standard_normal(len(self._draws.kinds))
+        self.level = _quantiles(self._true * (self._draws.at(self.now) - self._off))
         rates = self._draws.rate(self.now)
         self.rate = _quantiles(rates)
         self.kind, self.since = self._kind(rates, one_way)
@@ -117,7 +118,7 @@ class Growth:
         """Return when a limit is reached; None with too few dates."""
         if self.kind == 'too few dates':
             return None
-        days = self._draws.reaches(limit / self._true, self.now)
+        days = self._draws.reaches(limit / self._true + self._off, self.now)
         low, middle, high = np.quantile(days, (0.025, 0.5, 0.975), method='inverted_cdf')
         return Remaining(float(low), float(middle), float(high), float(np.mean(days <= self.now)))
 

@@ -16,6 +16,7 @@ class History(NamedTuple):
 
     ``temperatures`` are those of the oil, degC; empty if they are not known. ``thinner``: by how
     much all sizes may be off together, date by date, one standard deviation; it comes instead.
+    ``offset``: by how much all may be off by the same, one standard deviation.
     """
 
     days: np.ndarray
@@ -23,6 +24,7 @@ class History(NamedTuple):
     sigmas: np.ndarray
     temperatures: np.ndarray = np.empty(0)
     thinner: np.ndarray = np.empty(0)
+    offset: float = 0.0
 
     @property
     def together(self) -> np.ndarray:

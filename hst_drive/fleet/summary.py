@@ -185,16 +185,19 @@ def _followed(rows: Sequence[dict], limits: Limits) -> list[Followed]:
 
 def _history(days: Sequence[float], sizes: Sequence[dict], rows: Sequence[dict]) -> History:
     """Return the sizes that were measured, of a leak those in oil as it usually is."""
-    values, sigmas = (np.array([size[key] for size in sizes]) for key in ('value', 'sigma'))
+    values, sigmas, offsets = (np.array([size.get(key, 0.0) for size in sizes])
+                               for key in ('value', 'sigma', 'offset'))
     warm = [row['oil_temperature'] for row in rows]
     if not all('laminar' in size for size in sizes):
         return History(np.array(days), values, sigmas,
-                       np.empty(0) if None in warm else np.array(warm))
+                       np.empty(0) if None in warm else np.array(warm),
+                       offset=float(np.median(offsets)))
     thin = -np.log([row['viscosity'] for row in rows])
     thin -= np.median(thin)
     usual, laminar = np.exp(-POWER * thin), np.exp(-thin) * [size['laminar'] for size in sizes]
     return History(np.array(days), usual * values, usual * sigmas, thinner=(
-        laminar - usual * values) * POWER_SIGMA / (1.0 - POWER))
+        laminar - usual * values) * POWER_SIGMA / (1.0 - POWER),
+        offset=float(np.median(usual * offsets)))
 
 
 def _urgency_of(entry: Followed) -> tuple:

@@ -17,7 +17,7 @@ from hst_drive.effects.base import LEAKS
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import fit
-from hst_drive.identify.intervals import FORM, spread
+from hst_drive.identify.intervals import FORM, Spread, spread
 from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
@@ -42,6 +42,7 @@ class Tracked(NamedTuple):
     """
     Sizes by effect, each with parameter, unit, value and standard deviation.
 
+    ``offset``: what is not known of the machine itself moves all its sizes by so much, together.
     Of a leak it is the one in the oil as it was, if all leakages follow its viscosity by the power
     ``POWER``; ``laminar``: by 1. Temperature (degC) and viscosity (m^2/s) of the oil are None if
     they are not known.
@@ -99,20 +100,38 @@ def _sizes(rig: Rig, runs: Sequence[Run], effects: Mapping[str, Mapping[str, flo
     # That no machine follows a formula exactly is the same on all dates.
     form = FORM * (unknowns.mix(found.vector) - unknowns.mix(found.before))
     form[:unknowns.factors] = 0.0
+    offsets = _offsets(found, rig, oil)
     sizes: Sizes = {}
-    for name, value, variance in zip(unknowns.names, values, variances - form**2):
+    for name, value, variance, offset in zip(
+            unknowns.names, values, variances - form**2 - offsets**2, offsets):
         if name[0]:
             parameter = campaign.parameter(*name)
             sizes[name[0]] = _size(parameter.name, parameter.unit, value - parameter.neutral,
-                                   variance)
+                                   variance, offset)
         elif oil and name[1] == OIL:
             sizes[OIL] = _size(CHANGE, '1', np.expm1(value), variance * np.exp(2.0 * value))
     return sizes
 
 
-def _size(parameter: str, unit: str, value: float, variance: float) -> dict[str, object]:
+def _size(parameter: str, unit: str, value: float, variance: float,
+          offset: float = 0.0) -> dict[str, object]:
     return {'parameter': parameter, 'unit': unit, 'value': float(value),
-            'sigma': float(np.sqrt(max(variance, 1e-300)))}
+            'sigma': float(np.sqrt(max(variance, 1e-300))), 'offset': float(offset)}
+
+
+def _offsets(found: Spread, rig: Rig, oil: bool) -> np.ndarray:
+    """Return one standard deviation of what the machine's own numbers do to all its sizes."""
+    unknowns = found.unknowns
+    moved = unknowns.mix(found.unit)
+    mixed = unknowns.mix(np.eye(len(moved)))[:unknowns.factors, :unknowns.factors]
+    # What differs from day to day is in each size by itself, and so is the oil if it is free.
+    share = rig.fingerprint.day_to_day if rig.fingerprint else 0.0
+    daily = np.array([unknowns.tolerances[name] if oil and name == OIL
+                      else share * rig.tolerances.get(name, 0.0)
+                      for _, name in unknowns.names[:unknowns.factors]])
+    by_day = np.linalg.solve(mixed.T, moved.T).T * daily
+    offsets = np.sqrt(np.maximum((moved**2).sum(axis=1) - (by_day**2).sum(axis=1), 0.0))
+    return np.where(np.arange(len(moved)) < unknowns.factors, 0.0, offsets)
 
 
 def _free_oil(campaign: Campaign, rig: Rig, effects: Iterable[str]) -> bool:

@@ -27,13 +27,15 @@ class Spread(NamedTuple):
     """
     What is known of a fit's unknowns: their vector and its covariance, each in its scale.
 
-    ``before`` is the vector without the effects: adopted sizes, else 0.
+    ``before`` is the vector without the effects: adopted sizes, else 0. ``unit``, a column each:
+    how the estimates move with what this unit is off the make in each of its unknowns.
     """
 
     unknowns: Unknowns
     vector: np.ndarray
     covariance: np.ndarray
     before: np.ndarray
+    unit: np.ndarray
 
 
 def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
@@ -68,7 +70,7 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     # An effect's number that moves nothing is not known at all: ten times its range.
     still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
-    return Spread(unknowns, vector, covariance, before)
+    return Spread(unknowns, vector, covariance, before, inverse[:, :unknowns.factors])
 
 
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
@@ -90,10 +92,10 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
     see ``spread``.
     """
-    unknowns, vector, covariance, _ = spread(campaign, fitted, forms)
-    values = unknowns.mix(vector)
+    found = spread(campaign, fitted, forms)
+    unknowns, values = found.unknowns, found.unknowns.mix(found.vector)
     width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
-        unknowns.mix(unknowns.mix(covariance).T)))
+        unknowns.mix(unknowns.mix(found.covariance).T)))
     # At a bound to the last digit: who reads it compares them.
     low, high = np.maximum(values - width, unknowns.bounds[:, 0]), np.minimum(
         values + width, unknowns.bounds[:, 1])

@@ -49,6 +49,17 @@ def test_a_formula_that_is_off_makes_no_trend_but_moves_the_end():
         0.5 * np.exp([-width, width]), rel=0.01)
 
 
+def test_what_all_sizes_are_off_by_makes_no_trend_but_moves_the_end():
+    """A line that is 0.02 too high reaches a limit so much earlier, and has no other slope."""
+    made = history(lambda day: 0.5 * day / END, sigma=1e-4)
+    found, width = Growth(made._replace(offset=0.02)), 1.96 * 0.02
+    assert found.rate == pytest.approx(Growth(made).rate)
+    left = found.remaining(1.0)
+    assert [left.low, left.high] == pytest.approx(
+        2.0 * END * np.array([1.0 - width, 1.0 + width]), rel=0.005)
+    assert [found.level[0], found.level[2]] == pytest.approx([0.5 - width, 0.5 + width], rel=0.01)
+
+
 def test_wear_from_some_day_on_and_accelerating():
     late = Growth(history(lambda day: 0.6 * np.maximum(day - 300.0, 0.0) / (END - 300.0)))
     assert late.kind == 'grows' and late.since == pytest.approx(300.0, abs=61.0)

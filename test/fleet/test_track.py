@@ -1,10 +1,14 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Which effects a machine is followed by, and that their sizes are there on every date."""
+from dataclasses import replace
+import math
+
 from hst_drive.diagnose.commission import commission
 from hst_drive.effects.oil import viscosity
 from hst_drive.fleet.track import to_follow, track
 from hst_drive.rig import default_rig, parse_rig
+from hst_drive.rig.fingerprint import Fingerprint
 import pytest
 
 from ..diagnose.machines import day, L_MIN, MAKE, UNIT
@@ -52,7 +56,8 @@ def test_sizes_are_those_of_the_pump_also_where_nothing_is_named(leak):
     found = track(unit, [day(31, leak)], form)
     size = found.sizes['pump_leakage']
     true = leak * L_MIN / 100e5
-    assert abs(size['value'] - true) < 4 * size['sigma'] < 0.1 * L_MIN / 100e5
+    assert abs(size['value'] - true) < 4 * math.hypot(
+        size['sigma'], size['offset']) < 0.1 * L_MIN / 100e5
     assert found.oil_temperature == pytest.approx(40.0)
 
 
@@ -71,6 +76,19 @@ def test_a_leak_is_told_for_both_ways_to_follow_the_viscosity():
         more = UNIT[1] * (thin - thin**0.5)
         assert size['value'] == pytest.approx((leak * thin + more) * typical, abs=0.03 * typical)
         assert found.viscosity == pytest.approx(viscosity(323.15, 'ISO VG 46'))
+
+
+def test_what_is_not_known_of_the_machine_is_off_on_all_dates():
+    """A leak as its table's: what the factor may be off, less what differs from day to day."""
+    unit = parse_rig(commission(MAKE, 'make.yaml', [day(1), day(2)]).rig, 'unit.yaml')
+    make = unit.tolerances['pump.leakage']
+    for daily in (0.0, 0.06, 0.08):
+        own = replace(unit, fingerprint=Fingerprint({'pump.leakage': 0.08}, {}, daily / make))
+        size = track(own, [day(31, 0.4)], {
+            'pump_leakage': {'conductance': 1e-12, 'exponent': 1.0}}).sizes['pump_leakage']
+        assert size['offset'] == pytest.approx(
+            math.sqrt(0.08**2 - daily**2) * UNIT[1] * L_MIN / 100e5, rel=0.1, abs=1e-15)
+        assert size['sigma'] > daily * UNIT[1] * L_MIN / 100e5 * 0.9
 
 
 def test_a_machine_may_leak_less_than_it_did():
