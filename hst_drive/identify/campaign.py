@@ -38,7 +38,7 @@ FINEST = 0.008          # s: faster records are averaged; the drive has nothing 
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
-ELSEWHERE = 'acts in closed circuits or valve circuits only'
+ELSEWHERE = 'has no place in this circuit'
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Sequence
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.base import DRILLING_SPEED
 from hst_drive.identify.campaign import (
-    BLOCK, Campaign, EVENTS, Model, SETTLE)
+    BLOCK, Campaign, ELSEWHERE, EVENTS, Model, SETTLE)
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.observable import unread
 from hst_drive.measure.balances import is_part, TORQUES
@@ -133,6 +133,8 @@ class PartCampaign(Campaign):
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""
+        if not self.drive.enters(name):
+            return ELSEWHERE
         if catalogue()[name].both_ways and not any(replay.reverses for replay in self.replays):
             return 'needs a log that turns both ways: in one direction it is dry friction'
         if self._moves(Model({name: self.typical(name)}, {})):

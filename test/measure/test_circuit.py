@@ -6,6 +6,8 @@ import json
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
+from hst_drive.identify.campaign import ELSEWHERE
+from hst_drive.identify.part import campaign_of
 from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.compare import compare, model_of
 from hst_drive.rig import load_rig
@@ -47,6 +49,13 @@ def test_channels_that_close_nothing_are_told(healthy):
     poor = type(run)('poor', run.time, {'motor_speed': run['motor_speed']}, 'poor.csv')
     with pytest.raises(InputError, match="poor.csv: its channels .* close no balance of 'circuit"):
         part_replay(poor, model_of(rig, [run]))
+
+
+def test_what_a_circuit_has_not_is_no_gap_of_its_logs(healthy):
+    rig, logs, _ = healthy
+    searched = campaign_of(rig, [logs['reverse']])
+    assert searched.out_of_reach('valve_lag') == searched.out_of_reach('prv_cracking') == ELSEWHERE
+    assert searched.out_of_reach('motor_leakage') == ''
 
 
 def test_without_a_torque_sensor_the_flows_are_judged(healthy):
