@@ -24,9 +24,10 @@ from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.steady import operating_point
 from hst_drive.rig import default_rig, load_rig, Rig
 from hst_drive.watch.calibration import Calibration
-from hst_drive.watch.figures import Accuracy, FLOW, PRESSURE, SPEED, TORQUE
+from hst_drive.watch.figures import FLOW, PRESSURE, SPEED, TORQUE
 from hst_drive.watch.naming import Signatures
 from hst_drive.watch.residuals import Balances, LEAD
+from hst_drive.watch.samples import accuracy_of
 from hst_drive.watch.stream import Window
 from hst_drive.watch.watch import Watch
 import numpy as np
@@ -43,7 +44,7 @@ _SPEED = 100 * np.pi / 30
 
 def unit(rig: Rig, random: np.random.Generator) -> tuple[dict[str, float], dict[str, float]]:
     """Draw a unit: factors by tolerance, and what its sensors are off."""
-    accuracy = Accuracy()
+    accuracy = accuracy_of(rig)
     factors = {name: 1.0 + sigma * random.standard_normal()
                for name, sigma in rig.scatter.items()}
     return factors, {PRESSURE: accuracy.pressure * random.standard_normal(),
@@ -94,9 +95,10 @@ def reversing(rig: Rig, seed: int, minutes: float, effects=None, begin: float = 
     """Yield the same of a closed circuit: a piece forwards, a piece backwards."""
     random = np.random.default_rng(seed)
     factors, _ = unit(rig, random)
+    accuracy = accuracy_of(rig)
     drive, later = (CircuitModel(rig, found, factors) for found in (None, effects))
     offsets = {name: size * random.standard_normal() for name, size in zip(
-        CLOSED, (0.0, Accuracy().torque, *3 * (Accuracy().pressure,), 0.0, 0.0))}
+        CLOSED, (0.0, accuracy.torque, *3 * (accuracy.pressure,), 0.0, 0.0))}
     bank = SensorBank(replace(rig, effects={}), seed)
     state, memory = drive.at_rest(), np.full(drive.circuit.memory, math.nan)
     count, warm, way = round(_PIECE * _RATE), random.uniform(-4, 4), 1.0

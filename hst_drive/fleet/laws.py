@@ -9,7 +9,7 @@ import numpy as np
 
 STEADY, LINEAR, ONSET, ACCELERATING = range(4)
 _STEADY = 0.5           # chance; all ways to grow are as likely
-_RATES = (1.0, 2.0, 3.0, 4.5, 6.0)    # of an exponential, over the stretch
+_RATES = np.geomspace(0.7, 6.5, 12)    # of an exponential, over the stretch
 
 
 class Law(NamedTuple):

@@ -35,9 +35,7 @@ SIGNALS: tuple[str, ...] = (
 INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
 DRAWS = 3
 _STAMPS = 1e-3  # s
-# Of the full speed: below the first the sign of the rotation, so of the load, is the noise's;
-# below the second its size still is.
-_STANDSTILL, _CREEPING = 0.0046, 0.023
+_STANDSTILL = 0.0046    # of the full speed: below, the sign of the rotation is the noise's
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
@@ -113,7 +111,7 @@ class Replay:
         self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
-        self._full_speed = drive.rig.full_speed
+        self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
@@ -255,7 +253,7 @@ class Replay:
     @property
     def at_rest(self) -> np.ndarray:
         """Where friction and load share the torque as no law tells, so that it is not judged."""
-        return np.abs(self._speed) <= _CREEPING * self._full_speed
+        return np.abs(self._speed) <= self._creeping
 
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 import sys
 
 from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS
-from hst_drive.losses.efficiency import Limits, Performance
+from hst_drive.losses.efficiency import Performance
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
@@ -15,7 +15,8 @@ from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import default_rig, load_rig
 from hst_drive.watch.characteristic import Estimate, Resistances
 from hst_drive.watch.drive import Figures, Observer, Settings, Watched
-from hst_drive.watch.samples import Accuracy
+from hst_drive.watch.figures import limits_of
+from hst_drive.watch.samples import accuracy_of
 
 _READ = tuple(name for name in wiring.READS['estimator'] if name != 'sync')
 _JOINTS = {'motor': 'joint', 'pump': 'pump_joint'}
@@ -45,14 +46,15 @@ class Estimator(DriveNode):
         Parameter('rate', 10.0, 'estimates per second', 'Hz', 0.1, 100.0),
         Parameter('window', 0.5, 'smoothing of what the loss model leaves', 's', 0.05, 60.0),
         Parameter('timeout', 0.5, 'a signal that is older is missing', 's', 0.01, 60.0),
-        Parameter('minimum_speed', 0.5, 'below it no figure is valid', 'rad/s', 0.01, 100.0),
+        Parameter('minimum_speed', 0.0, 'below it no figure is valid; 0: 2.3 % of the speed on '
+                  "the pump's full flow", 'rad/s', 0.0, 100.0),
         Parameter('minimum_pressure', 5e5, 'below it no figure is valid', 'Pa', 1e3, 1e8),
         Parameter('pressure_accuracy', 5e4, 'standard uncertainty of the pressure sensor, noise '
                   'apart', 'Pa', 0.0, 1e7),
         Parameter('flow_accuracy', 0.005, 'standard uncertainty of the flow meter, of the reading',
                   '1', 0.0, 0.5),
-        Parameter('torque_accuracy', 1.0, 'standard uncertainty of the torque sensor', 'N.m', 0.0,
-                  1e4),
+        Parameter('torque_accuracy', 0.0, 'standard uncertainty of the torque sensor; 0: 0.16 % '
+                  "of the torque at the relief valve's pressure", 'N.m', 0.0, 1e4),
         Parameter('extra_topics', [], 'readings that are off by default and come in this run',
                   choices=wiring.SENSORS),
         Parameter('bag', '', 'bag that records this run, for the pointer to it',
@@ -78,9 +80,9 @@ class Estimator(DriveNode):
         signals = tuple(channel for places in self._channels.values() for _, channel in places)
         self._observer = Observer(rig, signals, Settings(
             settings['rate'], settings['window'], settings['timeout'],
-            limits=Limits(settings['minimum_speed'], settings['minimum_pressure']),
-            accuracy=Accuracy(settings['pressure_accuracy'], settings['flow_accuracy'],
-                              settings['torque_accuracy'])))
+            limits=limits_of(rig, settings['minimum_speed'], settings['minimum_pressure']),
+            accuracy=accuracy_of(rig, settings['pressure_accuracy'], settings['flow_accuracy'],
+                                 settings['torque_accuracy'])))
         self._awaited = {name: 0 for name in self._expected
                          if TOPICS[name].publisher in self.partners}
         self._step = 0

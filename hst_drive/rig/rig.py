@@ -17,6 +17,7 @@ import numpy as np
 # The sections of a whole drive; a file without one of them describes a part.
 OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
+CREEPING = 0.023    # of the full speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -304,6 +305,11 @@ class Rig:
         if not (self.pump and self.motor and self.motor.displacement):
             return 0.0
         return self.pump.max_displacement * self.pump.shaft_speed / self.motor.displacement
+
+    @property
+    def creeping(self) -> float:
+        """Speed of the hydromotor below which it creeps, rad/s: its friction is not sure."""
+        return CREEPING * self.full_speed
 
     def require(self, *sections: str, purpose: str) -> None:
         """

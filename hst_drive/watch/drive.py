@@ -15,11 +15,11 @@ from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.characteristic import Characteristic, Resistances
 from hst_drive.watch.figures import (
-    INLET, judged, losses, lost, measured, modelled, moment_of, signals_for, switched, TEMPERATURE,
-    uncertainty)
+    INLET, judged, limits_of, losses, lost, measured, modelled, moment_of, signals_for, switched,
+    TEMPERATURE, uncertainty)
 from hst_drive.watch.naming import Signatures
 from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
-from hst_drive.watch.samples import Accuracy, SPEED
+from hst_drive.watch.samples import Accuracy, accuracy_of, SPEED
 from hst_drive.watch.stream import BILLION, Stream, Window
 from hst_drive.watch.watch import Verdict, Watch
 
@@ -30,14 +30,14 @@ _WORDS = {'pump_outlet_pressure': 'pressure', 'motor_inlet_flow': 'flow', SPEED:
 
 
 class Settings(NamedTuple):
-    """How an ``Observer`` works: s, Hz and limits of what is valid."""
+    """How an ``Observer`` works: s, Hz; limits and accuracy (None: as the rig's size has it)."""
 
     rate: float = 10.0
     window: float = 0.5
     timeout: float = 0.5
     block: float = 1.0
-    limits: Limits = Limits()
-    accuracy: Accuracy = Accuracy()
+    limits: Limits | None = None
+    accuracy: Accuracy | None = None
 
 
 class Figures(NamedTuple):
@@ -92,6 +92,8 @@ class Observer:
     def __init__(self, rig: Rig, signals: tuple[str, ...], settings: Settings = Settings()):
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
+        self._limits = settings.limits or limits_of(rig)
+        self._accuracy = settings.accuracy or accuracy_of(rig)
         self.model = part_model(rig)
         self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
@@ -112,7 +114,7 @@ class Observer:
         """Watch what these signals close."""
         self._came = came
         self._doubt: float | None = None
-        self.balances = Balances(self.rig, came, self.settings.accuracy)
+        self.balances = Balances(self.rig, came, self._accuracy)
         self._judged = judged(self.balances.closed, self.rig.circuit)
         self._of_figures = signals_for(self._judged, self.rig.circuit, came)
         self._watch()
@@ -124,7 +126,7 @@ class Observer:
     def _restart(self) -> None:
         """Begin anew: nothing is known."""
         self._watch()
-        self.characteristic = Characteristic(self.model, self.settings.accuracy)
+        self.characteristic = Characteristic(self.model, self._accuracy)
         self.origin: int | None = None
         self._next = self._block = 0
 
@@ -186,13 +188,13 @@ class Observer:
         if self._before and self._doubt is None:
             return Figures(middle, 'not enough samples yet')
         displacement = self.model.motor_displacement
-        found, reason = measured(moment, displacement, self.settings.limits)
+        found, reason = measured(moment, displacement, self._limits)
         if found is None:
             return Figures(middle, reason)
         if found.volumetric > 1.5 or found.hydromechanical > 1.5:
             return Figures(middle, 'signals contradict each other: efficiency above 1.5')
         return Figures(middle, '', found, modelled(moment, displacement),
-                       uncertainty(moment, found, displacement, self.settings.accuracy))
+                       uncertainty(moment, found, displacement, self._accuracy))
 
     def _window(self, names: tuple[str, ...], start: int, end: int) -> Window:
         window = self._stream.window(names, start, end)

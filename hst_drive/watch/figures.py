@@ -24,6 +24,7 @@ from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.circuits.motor_text import SWITCHES_AT
 from hst_drive.model.part import PartModel
+from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 from hst_drive.watch.samples import Accuracy, bell, LEAST, noise_of, Samples, SPEED
 from hst_drive.watch.stream import Window
@@ -101,6 +102,12 @@ def lost(found: dict[str, float], at: Losses) -> tuple[float, float]:
 def switched(values: dict[str, np.ndarray]) -> bool:
     """Say whether the hydromotor stands on its second displacement, which no figure knows."""
     return bool(np.any(values.get('motor_displacement_command', 0.0) > SWITCHES_AT))
+
+
+def limits_of(rig: Rig, speed: float = 0.0, pressure: float = Limits().pressure) -> Limits:
+    """Return the smallest signals for figures; a speed of 0: where the machine creeps."""
+    speed = speed or rig.creeping or Limits().speed
+    return Limits(speed, pressure, rig.motor.displacement * speed)
 
 
 def judged(closed: Mapping[str, Balance], circuit: str) -> dict[str, Balance]:

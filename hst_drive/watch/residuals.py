@@ -18,7 +18,7 @@ from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
-from hst_drive.watch.samples import Accuracy, bell, noise_of, Samples, SPEED
+from hst_drive.watch.samples import Accuracy, accuracy_of, bell, noise_of, Samples, SPEED
 from hst_drive.watch.stream import Window
 import numpy as np
 
@@ -26,7 +26,7 @@ NEITHER = 'neither line is clearly under pressure'
 LEAD = 1.0          # s before a block, in which lags settle
 _STAMPS = 3e-3      # s: how well the time stamps of two signals agree
 _FLOOR = 0.25       # of the scatter between units: how good a calibrated model is expected to be
-_CREEPING, _SCATTER = 0.023, 5.0     # of the full speed; deviations of the sensor's noise
+_SCATTER = 5.0      # deviations of the sensor's noise, that a speed is no standstill
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
 _SENSOR = 'sensor.'
@@ -75,18 +75,18 @@ class Balances:
         Adopted effects and calibration count.
     signals : tuple of str
         Channels at hand.
-    accuracy : Accuracy
-        Of the sensors.
+    accuracy : Accuracy, optional
+        Of the sensors; None: what is usual on a machine of this size.
 
     """
 
-    def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy = Accuracy()):
+    def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy | None = None):
         self.rig, self.model = rig, part_model(rig)
-        self._signals, self._accuracy = signals, accuracy
+        self._signals, self._accuracy = signals, accuracy or accuracy_of(rig)
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
-        self._creeping = max(_CREEPING * rig.full_speed, _SCATTER * self._noise.get(SPEED, 0.0))
+        self._creeping = max(rig.creeping, _SCATTER * self._noise.get(SPEED, 0.0))
 
     @cached_property
     def needed(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from hst_drive.watch.stream import Window
 import numpy as np
 
 SPEED = 'motor_speed'
+_TORQUE = 1.6e-3    # of what the relief valve lets the motor make: 1 N m on the paper's rig
 _STEP = 1e-3        # of a quantity, by which differences are taken
 _CHANGES = 0.1      # s before the samples that a balance that hangs on something is judged in
 LEAST = 5           # samples in a window
@@ -39,6 +40,15 @@ class Accuracy(NamedTuple):
         return {'Pa': (self.pressure, 1.0), 'N.m': (self.torque, 1.0),
                 'm^3/s': (self.flow, reading), 'rad/s': (self.speed, reading)}.get(
                     unit, (0.0, 1.0))
+
+
+def accuracy_of(rig: Rig, pressure: float = Accuracy().pressure, flow: float = Accuracy().flow,
+                torque: float = 0.0) -> Accuracy:
+    """Return how far a machine's sensors may be off; a torque of 0: as usual for its size."""
+    valve = rig.relief_valve or rig.cross_port_relief
+    if not torque and valve and rig.motor:
+        torque = _TORQUE * valve.set_pressure * rig.motor.displacement
+    return Accuracy(pressure, flow, torque or Accuracy().torque)
 
 
 def noise_of(rig: Rig, name: str) -> float:
