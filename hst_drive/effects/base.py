@@ -237,6 +237,9 @@ class Effect:
     searched : str
         Where a diagnosis searches it: 'always', only in logs of a part ('parts': elsewhere another
         effect can take its form, and it is tried in that one's place), or 'never'.
+    form_of : (str, str), optional
+        Another effect and its parameter that can take this one's form: where that is fitted, only
+        that effect is searched.
     both_ways : bool
         Whether only logs that turn both ways tell it from what is alike, which comes first.
     kept : bool
@@ -267,6 +270,7 @@ class Effect:
     swings: Callable[[Mapping[str, float], int], tuple[float, dict[str, float]]] | None = None
     gauge: str = ''
     searched: str = 'always'
+    form_of: tuple[str, str] | None = None
     both_ways: bool = False
     kept: bool = False
 

@@ -3,8 +3,8 @@
 """
 Wear of the pump that acts like an orifice: a nick or an edge instead of a gap.
 
-In logs of the whole drive ``pump_leakage`` has an exponent for it; here the two are told apart
-in logs of a part, where pressure spans far enough.
+In logs of a whole drive and of other circuits ``pump_leakage`` has an exponent for it; the two
+are told apart in logs of a part, where pressure spans far enough.
 """
 from hst_drive.effects.base import Effect, Parameter
 
@@ -33,4 +33,5 @@ EFFECT = Effect(
            'Verdraengerpumpen und -motoren, Oelhydraulik und Pneumatik 5, 1961.',
     shows_in=('motor_speed', 'motor_inlet_flow'),
     searched='parts',
+    form_of=('pump_leakage', 'exponent'),
 )

@@ -127,7 +127,8 @@ class Campaign:
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
         return [name for name, effect in catalogue().items()
-                if name in self.adopted or effect.searched in self.searched]
+                if name in self.adopted or effect.searched in self.searched
+                and not (effect.form_of and self.fits(*effect.form_of))]
 
     def doubles(self, name: str) -> list[str]:
         """Return effects at the same place that are not searched: others can take their form."""

@@ -168,8 +168,9 @@ class PartCampaign(Campaign):
         effect = catalogue()[name]
         parameter = effect.parameter(key)
         if parameter.whole_drive:
-            # As well as there where the effect is measured by itself.
-            return any(entry.needs in self.signals for entry in effect.parameters)
+            # As well as there where the effect is measured by itself, or a whole circuit moves.
+            return self.rig.circuit != OPEN and not parameter.fixed or any(
+                entry.needs in self.signals for entry in effect.parameters)
         return parameter.recorded_in(self.signals)
 
     def alike(self, column: Column, chosen: np.ndarray, moved: np.ndarray,

@@ -82,6 +82,17 @@ def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):
     assert [entry.id for entry in found.effects][:1] == [effect], truth
 
 
+@pytest.mark.slow
+def test_a_pump_that_leaks_as_through_an_orifice_is_a_pump_that_leaks(tmp_path):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--seed', '9278')
+    assert truth['forms'] == {'pump_leakage': 'orifice'}
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    named, = found.effects
+    assert 'pump_leakage' in {named.id, *named.indistinguishable_from}
+    assert 'pump_orifice_leakage' not in {entry.id for entry in found.ranking}
+
+
 def test_a_play_shows_where_the_torque_changes_its_sign(tmp_path):
     """The shaft stands while oil turns the hydromotor; these moments are judged, too."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect',
