@@ -165,8 +165,10 @@ def to_follow(rows: Sequence[dict], rig: Rig,
     What the logs do not tell apart may be named one way on one date and another on the next: the
     name that fits most dates is taken, the form from where it was largest. Where one of them has
     a limit and fits half of the dates, that is the name. A name that is told beside another on no
-    date is a second one for it if they were look-alikes once or act at the same place. What a
-    machine's oil does as well (``OIL``, ``THINNER``) is followed as such.
+    date is a second one for it if they were look-alikes once or act at the same place; what is
+    declared as alike is so in any case. What a machine's oil does as well (``OIL``, ``THINNER``)
+    is followed as such. Where nothing was named, what has a limit is followed all the same: many
+    dates may show together what none shows alone.
 
     Parameters
     ----------
@@ -186,27 +188,34 @@ def to_follow(rows: Sequence[dict], rig: Rig,
     found = [entry for entries in each for entry in entries]
     chosen = {name: dict(values) for name, values in rig.effects.items()}
     of_oil = {*_LIKE_OIL, THINNER} - {*limited} if rig.fingerprint else set()
-    left = [entry for entry in found if entry['id'] not in {*chosen, *of_oil}]
+    # What the oil may do counts as that, but where it may as well be what has a limit.
+    left = [names for entry in found if entry['id'] not in chosen and (names := [
+        name for name in (entry['id'], *entry['indistinguishable_from'])
+        if name in known and (name in limited if entry['id'] in of_oil else name not in of_oil)])]
     while left and len(chosen) < _MOST + len(rig.effects):
         votes: dict[str, float] = {}
-        for entry in left:
+        for first, *others in left:
             # Between look-alikes the one that came first most often.
-            votes[entry['id']] = votes.get(entry['id'], 0.0) + 1.01
-            for other in entry['indistinguishable_from']:
+            votes[first] = votes.get(first, 0.0) + 1.01
+            for other in others:
                 votes[other] = votes.get(other, 0.0) + 1.0
-        named = {entry['id'] for entry in left} | {
+        named = {names[0] for names in left} | {
             name for name in limited if votes.get(name, 0.0) >= 0.5 * len(left)}
         best = max(sorted(named), key=lambda name: (name in limited) * len(left) + votes[name])
-        own = [_values(entry) for entry in left if entry['id'] == best] or [
-            {**known[best].neutral, _first(best): known[best].parameters[0].typical}]
+        own = [_values(entry) for entry in found if entry['id'] == best] or [_typical(best)]
         chosen[best] = max(own, key=lambda values: abs(values[_first(best)]))
         alike = {entry['id'] for entry in found if best in entry['indistinguishable_from']} | {
             name for name in named if known[name].slot == known[best].slot}
         alike -= set().union(*(names for names in told if best in names))
-        left = [entry for entry in left
-                if entry['id'] not in {best, *alike}
-                and best not in entry['indistinguishable_from']]
-    return chosen
+        alike |= {name for name in named
+                  if name in known[best].alike or best in known[name].alike}
+        left = [names for names in left if names[0] not in alike and best not in names]
+    return chosen or {name: _typical(name) for name in [*limited][:_MOST] if name in known}
+
+
+def _typical(effect: str) -> dict[str, float]:
+    known = catalogue(everything=True)[effect]
+    return {**known.neutral, _first(effect): known.parameters[0].typical}
 
 
 def _values(entry: dict) -> dict[str, float]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import math
 
 from hst_drive.diagnose.commission import commission
+from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity
 from hst_drive.fleet.track import to_follow, track
 from hst_drive.rig import default_rig, parse_rig
@@ -25,6 +26,7 @@ def row(*effects):
 
 
 LEAK = ('motor_leakage', 'conductance', 1e-12, ['motor_orifice_leakage'])
+LEAKAGE = catalogue()['motor_leakage'].parameters[0]
 SCORED = ('motor_orifice_leakage', 'flow_at_100_bar', 1e-5, ['motor_leakage'])
 
 
@@ -33,6 +35,25 @@ def test_look_alikes_are_one_and_others_are_others():
     found = to_follow([row(LEAK), row(SCORED), row(SCORED, drag), {'diagnosis': None}], RIG)
     assert [*found] == ['motor_orifice_leakage', 'viscous_drag']
     assert found['viscous_drag'] == {**found['viscous_drag'], 'coefficient': 0.5}
+
+
+def test_what_the_oil_does_may_be_what_has_a_limit():
+    unit = replace(RIG, fingerprint=Fingerprint({}))
+    flow = ('compressibility_flow', 'volume_ratio', 1.0, ['swash_compliance', 'pump_leakage'])
+    assert [*to_follow([row(flow)], unit, {'pump_leakage'})] == ['pump_leakage']
+    assert to_follow([row(flow)], unit) == {}
+
+
+def test_what_has_a_limit_is_followed_though_nothing_was_named():
+    found = to_follow([{'diagnosis': None}], RIG, {'motor_leakage'})
+    assert found == {'motor_leakage': {**found['motor_leakage'], 'conductance': LEAKAGE.typical}}
+    assert to_follow([{'diagnosis': None}], RIG) == {}
+
+
+def test_what_is_declared_as_alike_is_one_though_both_were_told_on_one_date():
+    dry = ('bearing_friction', 'coulomb', 9.0, [])
+    constant = ('constant_torque', 'torque', 8.0, [])
+    assert [*to_follow([row(dry), row(dry), row(dry, constant)], RIG)] == ['bearing_friction']
 
 
 def test_an_effect_that_is_not_installed_any_more_is_passed_over():
