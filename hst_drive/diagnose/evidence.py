@@ -34,6 +34,7 @@ _SHARE = 0.1        # of what effects do, by which formulas are off machines
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
+_USUAL = 3.0        # typical sizes, within which half of all effects lie
 DECIDED = 3.0       # odds that the tests over held-out blocks are right
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
@@ -144,8 +145,18 @@ def _modes(sensor: Sensor, count: int) -> tuple[np.ndarray, np.ndarray, float]:
     return np.maximum(power, 0.0), whiten, 2.0 * float(np.log(np.diag(root)).sum())
 
 
+def range_of(size: float, both_ways: bool) -> float:
+    """
+    Return how wide an even prior would be that is as dense at a size as the prior of all sizes.
+
+    That is a Cauchy's, or half of one: an effect is of a few typical sizes, and may be of many.
+    Bounds of what is plausible would make one effect less probable than its look-alike.
+    """
+    return float(np.pi * _USUAL * (1.0 + (size / _USUAL)**2)) * (1.0 if both_ways else 0.5)
+
+
 def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
-            mode: np.ndarray) -> float:
+            mode: np.ndarray, neutral: np.ndarray | float = np.nan) -> float:
     """
     Return the logarithm of prior density times posterior volume at a fit.
 
@@ -159,14 +170,24 @@ def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
         Widths of the even priors.
     mode : ndarray, shape (n,)
         The fit.
+    neutral : ndarray, shape (n,)
+        Where an unknown is as probably as anywhere in its range together: a spike beside the slab
+        (T. Mitchell, J. Beauchamp, JASA 83, 1988). NaN: nowhere.
 
     """
     if not len(mode):
         return 0.0
     width = np.where(normal, 1.0, ranges / np.sqrt(2 * np.pi))
     # An even prior has the precision that makes a still parameter cost nothing.
-    root = np.linalg.slogdet(np.eye(len(mode)) + width[:, None] * information * width)[1]
-    return float(-0.5 * root - 0.5 * np.sum(mode[normal]**2))
+    precision = np.eye(len(mode)) + width[:, None] * information * width
+    root = np.linalg.slogdet(precision)[1]
+    # Density of posterior over prior at the spike (J. Dickey, Annals of Mathematical Statistics
+    # 42, 1971): the odds of the spike.
+    variance = np.diag(np.linalg.inv(precision))
+    spike = np.nan_to_num(-0.5 * np.log(variance) - 0.5 * ((neutral - mode) / width)**2 / variance,
+                          nan=0.0)
+    return float(-0.5 * root - 0.5 * np.sum(mode[normal]**2)
+                 + np.sum(np.logaddexp(0.0, spike) - np.log(2.0)))
 
 
 def probability(explanations: Sequence[Explanation], sensors: Mapping[str, Sensor],

@@ -6,10 +6,9 @@ from __future__ import annotations
 from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.evidence import (
-    BIN, DECIDED, decided, Explanation, laplace, PIECE, Probability, probability, Sensor, Signal,
-    weight)
+    BIN, DECIDED, decided, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor,
+    Signal, weight)
 from hst_drive.diagnose.result import UNIT_ALONE
-from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import at_its_end, Fit
 from hst_drive.identify.judge import IN_SAMPLE
@@ -91,13 +90,11 @@ def likeliest(search: Search, best: Candidate,
     """
     Return the likeliest of the sets that stand.
 
-    The tests have chosen ``best``, so that another one must outweigh that. Of what is alike the
-    plainer one was taken (``plainer``).
+    The tests have chosen ``best``, so that another one must outweigh that.
     """
     others = [tuple(sorted({*best.names} - {name} | {rival}))
               for name, group in rivals.items() for rival in group
-              if rival in search.candidates and rival not in catalogue()[name].alike
-              and name not in catalogue()[rival].alike]
+              if rival in search.candidates]
     if not others:
         return best
     shares = dict(weigh(search, best).sets)
@@ -179,5 +176,16 @@ def _penalty(campaign: Campaign, fitted: Fit) -> float:
     known = {name: place for place, name in enumerate(unknowns.names)}
     place = np.array([known[name] for name in fitted.names], dtype=int)
     information = weight(len(campaign.signals)) * fitted.jacobian.T @ fitted.jacobian
-    return laplace(information, place < unknowns.factors,
-                   (unknowns.high - unknowns.low)[place], unknowns.pack(fitted.model)[place])
+    mode, scale = unknowns.pack(fitted.model)[place], unknowns.scale[place]
+    ranges, neutral = (unknowns.high - unknowns.low)[place], np.full(len(mode), np.nan)
+    for k, (name, key) in enumerate(fitted.names):
+        if not name:
+            continue
+        off = campaign.off(name)
+        if key == next(iter(off)):
+            ranges[k] = range_of(mode[k] - off[key] / scale[k],
+                                 bool(unknowns.low[place[k]] < off[key] / scale[k]))
+        else:
+            # What an effect is besides its size may be there or not.
+            neutral[k] = off[key] / scale[k]
+    return laplace(information, place < unknowns.factors, ranges, mode, neutral)

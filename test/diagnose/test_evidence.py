@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Probabilities of explanations against closed forms, other formulas and exact integrals."""
 from hst_drive.diagnose.evidence import (
-    BIN, covariance, Explanation, laplace, likelihoods, probability, Sensor, Signal)
+    BIN, covariance, Explanation, laplace, likelihoods, probability, range_of, Sensor, Signal)
 import numpy as np
 import pytest
-from scipy.integrate import dblquad
+from scipy.integrate import dblquad, quad
 from scipy.stats import multivariate_normal, multivariate_t
 
 SENSOR = Sensor(0.1, 0.5, 0.3)
@@ -54,6 +54,33 @@ def test_a_parameter_that_moves_nothing_costs_nothing():
     with_still = laplace(np.diag([5.0, 0.0]), np.zeros(2, bool), np.array([3.0, 8.0]), np.ones(2))
     without = laplace(np.diag([5.0]), np.zeros(1, bool), np.array([3.0]), np.ones(1))
     assert with_still == pytest.approx(without)
+
+
+def test_the_prior_of_sizes_is_a_density():
+    """One over its range adds up to 1 over the sizes that there may be."""
+    for both_ways, low in ((True, -np.inf), (False, 0.0)):
+        total, _ = quad(lambda size: 1.0 / range_of(size, both_ways), low, np.inf)
+        assert total == pytest.approx(1.0)
+        assert quad(lambda size: 1.0 / range_of(size, both_ways), max(low, -3.0), 3.0)[
+            0] == pytest.approx(0.5)
+
+
+def test_a_second_number_that_may_be_none_is_weighed_as_both():
+    """The mean of two evidences, each of a linear Gaussian model, in closed form."""
+    rng = np.random.default_rng(3)
+    design, width = rng.standard_normal((40, 2)), np.array([4.0, 9.0])
+    for second in (0.0, 0.1, 1.0):
+        target = design @ [0.5, second] + rng.standard_normal(40)
+        scaled = design * width
+        mode = np.linalg.solve(design.T @ design + np.diag(width**-2.0), design.T @ target)
+        left = target - design @ mode
+        # The Laplace form leaves out what the prior of an even one costs at its mode.
+        found = (-0.5 * left @ left - 20 * np.log(2 * np.pi) - 0.5 * np.sum((mode / width)**2)
+                 + laplace(design.T @ design, np.zeros(2, bool), width * np.sqrt(2 * np.pi),
+                           mode, np.array([np.nan, 0.0])))
+        both, alone = (multivariate_normal(np.zeros(40), np.eye(40) + part @ part.T).logpdf(target)
+                       for part in (scaled, scaled[:, :1]))
+        assert found == pytest.approx(np.logaddexp(both, alone) - np.log(2.0), abs=1e-9)
 
 
 def test_means_of_coloured_noise_scatter_as_simulated_ones_do():
