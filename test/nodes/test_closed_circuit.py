@@ -176,8 +176,8 @@ def test_the_estimator_tells_efficiency_and_losses_both_ways(reversed_run):
         # How well the pump's sheet tells the flow is most of it: 0.6 % of its displacement.
         assert np.all((told['efficiency_uncertainty'][:, 0] > 0.004)
                       & (told['efficiency_uncertainty'][:, 0] < 0.012))
-    # Where it stands, or no line carries pressure, there is no figure.
-    assert not np.any((rows['efficiency'][:, 0] > 27.0) & (rows['efficiency'][:, 0] < 31.0))
+    # Where it creeps (below 0.09 rad/s), or no line carries pressure, there is no figure.
+    assert not np.any((rows['efficiency'][:, 0] > 27.6) & (rows['efficiency'][:, 0] < 31.0))
 
 
 def test_a_sound_drive_that_reverses_is_watched_without_alarm(reversed_run):
