@@ -24,12 +24,13 @@ from test.truth.catalogue import EFFECTS
 from test.truth.unit import datasheet
 from typing import NamedTuple
 
-from hst_drive.effects import catalogue
 from hst_drive.fleet.campaigns import Campaign
 from hst_drive.fleet.document import as_json
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.summary import summarise
 from hst_drive.fleet.task import commission_machine, row_of, track_campaign
+from hst_drive.fleet.track import to_follow
+from hst_drive.rig import default_rig
 import numpy as np
 import yaml
 
@@ -182,10 +183,7 @@ def known(folder: Path, args: argparse.Namespace, limits: dict[tuple[str, str], 
         unit = folder / f'{name}.yaml'
         unit.write_text(yaml.safe_dump(commission_machine(days[0]._replace(
             logs=days[0].logs + days[1].logs))['unit']))
-        effects = {}
-        if wear:
-            first = catalogue()[wear].parameters[0]
-            effects[wear] = {**catalogue()[wear].neutral, first.name: first.typical}
+        effects = to_follow((), default_rig(), [wear] if wear else ())
         rows += [row_of(day, status='commissioned', reason=None, diagnosis=None) for day in days]
         sizes += [track_campaign(day._replace(rig=str(unit)), {name: effects}) for day in days]
     lives = Lives(rows, {}, sizes)

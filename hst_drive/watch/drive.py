@@ -19,7 +19,7 @@ from hst_drive.watch.figures import (
     TEMPERATURE, uncertainty)
 from hst_drive.watch.naming import Signatures
 from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
-from hst_drive.watch.samples import Accuracy, accuracy_of, SPEED
+from hst_drive.watch.samples import Accuracy, SPEED
 from hst_drive.watch.stream import BILLION, Stream, Window
 from hst_drive.watch.watch import Verdict, Watch
 
@@ -93,7 +93,6 @@ class Observer:
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
         self._limits = settings.limits or limits_of(rig)
-        self._accuracy = settings.accuracy or accuracy_of(rig)
         self.model = part_model(rig)
         self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
@@ -114,7 +113,7 @@ class Observer:
         """Watch what these signals close."""
         self._came = came
         self._doubt: float | None = None
-        self.balances = Balances(self.rig, came, self._accuracy)
+        self.balances = Balances(self.rig, came, self.settings.accuracy)
         self._judged = judged(self.balances.closed, self.rig.circuit)
         self._of_figures = signals_for(self._judged, self.rig.circuit, came)
         self._watch()
@@ -126,7 +125,7 @@ class Observer:
     def _restart(self) -> None:
         """Begin anew: nothing is known."""
         self._watch()
-        self.characteristic = Characteristic(self.model, self._accuracy)
+        self.characteristic = Characteristic(self.model, self.balances.accuracy)
         self.origin: int | None = None
         self._next = self._block = 0
 
@@ -194,7 +193,7 @@ class Observer:
         if found.volumetric > 1.5 or found.hydromechanical > 1.5:
             return Figures(middle, 'signals contradict each other: efficiency above 1.5')
         return Figures(middle, '', found, modelled(moment, displacement),
-                       uncertainty(moment, found, displacement, self._accuracy))
+                       uncertainty(moment, found, displacement, self.balances.accuracy))
 
     def _window(self, names: tuple[str, ...], start: int, end: int) -> Window:
         window = self._stream.window(names, start, end)

@@ -82,7 +82,7 @@ class Balances:
 
     def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy | None = None):
         self.rig, self.model = rig, part_model(rig)
-        self._signals, self._accuracy = signals, accuracy or accuracy_of(rig)
+        self._signals, self.accuracy = signals, accuracy or accuracy_of(rig)
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
@@ -99,7 +99,7 @@ class Balances:
     def spread(self) -> dict[str, float]:
         """What may be off without any physics missing: name to standard deviation."""
         return {**self.rig.scatter, **{
-            _SENSOR + name: self._accuracy.of(CHANNELS[name].unit, 1.0)[0]
+            _SENSOR + name: self.accuracy.of(CHANNELS[name].unit, 1.0)[0]
             for name in self.needed}}
 
     def of(self, window: Window, start: int, end: int) -> Block | str:
@@ -134,7 +134,7 @@ class Balances:
             mean = samples.mean(values)
             # Noise, and what comes too early or too late.
             unsure = float(np.hypot(left * self._noise[channel], _STAMPS * (rate @ values)))
-            per = self._accuracy.of(CHANNELS[channel].unit, mean)[1]
+            per = self.accuracy.of(CHANNELS[channel].unit, mean)[1]
             for name, slope in samples.by_channel(channel).items():
                 parts[name][_SENSOR + channel] = slope * per
                 noise[name] = float(np.hypot(noise[name], slope * unsure))
