@@ -9,10 +9,10 @@ import shlex
 import hst_drive as hd
 from hst_drive import cli
 from hst_drive.diagnose.document import as_json
-from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Unknown, Value)
 from hst_drive.identify.conditions import Outside
+from hst_drive.identify.evidence import Probability
 import pytest
 
 DOCS = Path(__file__).resolve().parents[1] / 'docs'

@@ -17,10 +17,10 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hst_drive.design.design import Design as _Design
-    from hst_drive.diagnose.evidence import Probability
     from hst_drive.diagnose.result import Diagnosis as _Diagnosis
     from hst_drive.diagnose.result import Value
     from hst_drive.effects import Effect
+    from hst_drive.identify.evidence import Probability
     from hst_drive.measure.compare import Comparison as _Comparison
     from hst_drive.measure.run import Run
     import pandas

@@ -15,11 +15,12 @@ from typing import Iterable, NamedTuple, Sequence
 
 from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.design.trials import SPIN_UP
-from hst_drive.identify.alternatives import (
-    BEATEN_SCORE, BEATEN_SHARE, gaps, uncertainty)
+from hst_drive.effects import catalogue
+from hst_drive.identify.alternatives import CREDIBLE
 from hst_drive.identify.campaign import BLOCK, Campaign, Model
 from hst_drive.identify.search import at_its_end, Candidate, Search
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
+from hst_drive.identify.weigh import log_odds
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -27,13 +28,15 @@ from hst_drive.rig import Rig
 import numpy as np
 from scipy.optimize import lsq_linear
 
-CLEAR = 3.5             # sigma of the worst pair at which a diagnosis will tell rivals apart
+CLEAR = (2 * CREDIBLE)**0.5     # sigma of the worst pair at which a diagnosis tells rivals apart
 # Times the squared difference that another formula could make: a machine is off in its own way.
-SAFE = 2.0
+_SAFE = 2.0
+_OFF = 0.06             # of what an effect does, by which its formula is off
 EMPTY = 0.015           # of the relief valve's set pressure: the line is not safely filled
 _TRUTHS = 4             # explanations that make records of their own, the likeliest
 _HELD_OUT = 1 / 3       # share of the blocks that will judge
 _INDEPENDENT = 20.0     # independent samples in a block of noise
+_SHOWN = 0.06           # of the squared error: less shows nothing surely
 _MOST = 99.0
 
 
@@ -162,7 +165,7 @@ class Rehearsal:
                 rms * part.floor, rms, float(np.max(np.abs(left), initial=0.0)) * part.floor)
         form *= _uncertainty(self.models[truth], self.models[rival])**2
         return Pair(truth, rival, float(min(
-            max(sigmas) * min(amount / (SAFE * form + 1e-9), 1.0), np.sqrt(energy), _MOST)),
+            max(sigmas) * min(amount / (_SAFE * form + 1e-9), 1.0), np.sqrt(energy), _MOST)),
             differences)
 
     def pairs(self, channels: Iterable[str], likely: int | None = None) -> list[Pair]:
@@ -189,7 +192,7 @@ def expected_sigma(blocks: np.ndarray) -> float:
     noise = 4 * clipped.mean() / _INDEPENDENT
     error = np.sqrt((clipped.var() + noise) / held) + 1e-9
     share = blocks.mean() / (1.0 + blocks.mean())
-    return float(min(clipped.mean() / error, _MOST) * min(share / (2 * BEATEN_SHARE), 1.0))
+    return float(min(clipped.mean() / error, _MOST) * min(share / _SHOWN, 1.0))
 
 
 def _pressure(run: Run) -> np.ndarray:
@@ -223,7 +226,7 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
     Return how far each explanation would come out above the others, in sigma.
 
     The first ``likely`` models (four at most) make noisy records in turn; all are fitted to
-    those, the unit's factors free, and judged as in a diagnosis. The nearest rival counts.
+    those, the unit's factors free, and weighed as in a diagnosis. The nearest rival counts.
     """
     apart = []
     for truth, model in enumerate(models[:min(likely, _TRUTHS)]):
@@ -240,26 +243,27 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
             search.try_all([(names, rival)], '')
             if len(names) == len(kept.effects) + 1:
                 search.try_all([(names, kept)], '', again=True)
-            found.append(_apart(search, best, search.try_all([(names, rival)], '')[0], kept))
+            found.append(_apart(search, best, search.try_all([(names, rival)], '')[0]))
         apart.append(min(found))
     return apart
 
 
-def _apart(search: Search, best: Candidate, rival: Candidate, kept: Model) -> float:
+def _apart(search: Search, best: Candidate, rival: Candidate) -> float:
     """Return in sigma how far a diagnosis would see the best above a rival."""
-    if rival.score - best.score <= BEATEN_SCORE:
-        return 0.0
     if any(at_its_end(search.campaign, rival.fit.model, name) for name in rival.names
            if name not in best.names):
         return _MOST
-    without = best.fit._replace(errors=search.campaign.errors(kept))
-    found = gaps(search, best, rival, without, _uncertainty(best.fit.model, rival.fit.model))
-    return float(max(0.0, *(gap.sigma * min(gap.forms / SAFE, 1.0) for gap in found)))
+    odds, = log_odds(search, [rival], best)
+    return float(np.sqrt(2.0 * max(-odds, 0.0)))
 
 
 def _uncertainty(first: Model, second: Model) -> float:
-    return uncertainty([name for name in first.effects if name not in second.effects],
-                       [name for name in second.effects if name not in first.effects])
+    """Return by which share of what they do the formulas of effects that differ may be off."""
+    known = catalogue()
+    return max((max(known[name].formula_error, known[other].formula_error)
+                for name in first.effects for other in second.effects
+                if other in known[name].alike and name not in second.effects
+                and other not in first.effects), default=_OFF)
 
 
 def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:

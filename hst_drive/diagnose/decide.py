@@ -10,15 +10,15 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
+from hst_drive.diagnose.choose import after_tests, likeliest, nearly_certain
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
-from hst_drive.diagnose.weigh import after_tests, likeliest, nearly_certain
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.alternatives import alternatives, BEATEN_SCORE, plainer
+from hst_drive.identify.alternatives import alternatives, CREDIBLE
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
 from hst_drive.identify.conditions import outside
 from hst_drive.identify.fit import at_limit, Fit, fit, settled
@@ -30,6 +30,7 @@ from hst_drive.identify.pairs import pair_instead
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
+from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -79,7 +80,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    tested = standing(search, plainer(search, pair_instead(search, search.run())))
+    tested = standing(search, pair_instead(search, search.run()))
     best = certain = nearly_certain(search, tested)
     left = search.unexplained(best)
     more = one_cause(search, best, left)
@@ -231,7 +232,8 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
         return []       # of slow records the floors are not known so well
     found = [entry for entry in search.singles()
              if relieves(search, entry) and _size(search.campaign, entry) >= _WORTH]
-    return [entry for entry in found if entry.score - found[0].score <= BEATEN_SCORE]
+    return [entry for entry, odds in zip(found, log_odds(search, found, found[0]))
+            if odds >= -CREDIBLE] if found else []
 
 
 def _size(campaign: Campaign, single: Candidate) -> float:

@@ -3,9 +3,9 @@
 """A diagnosis as plain data: what ``diagnose --json`` writes, SI."""
 from __future__ import annotations
 
-from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.result import Diagnosis, SCHEMA, Unknown
 from hst_drive.effects import catalogue
+from hst_drive.identify.evidence import Probability
 
 
 def as_json(result: Diagnosis) -> dict:

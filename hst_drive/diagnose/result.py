@@ -6,10 +6,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from hst_drive.diagnose.evidence import Probability
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.errors import InputError
 from hst_drive.identify.conditions import Outside
+from hst_drive.identify.evidence import Probability
 
 SCHEMA = 'hst_drive/diagnosis/1'
 # Among what is indistinguishable from an effect: none, but a unit at the limits of its tolerances.

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import re
 
-from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.result import not_known
 from hst_drive.diagnose.sentence import odds
 from hst_drive.effects import catalogue, SLOTS
+from hst_drive.identify.evidence import Probability
 from hst_drive.measure.run import CHANNELS
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
 from hst_drive.units import for_people

@@ -1,8 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How numbers of a diagnosis are told."""
-from hst_drive.diagnose.evidence import Probability
 from hst_drive.diagnose.sentence import limits, odds, times
+from hst_drive.identify.evidence import Probability
 import pytest
 
 

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A friction that falls with speed and a drag that rises, in the place of a constant one."""
 from bench.campaigns import as_runs
-from hst_drive.identify.alternatives import plainer
+from hst_drive.diagnose.choose import likeliest
+from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.pairs import pair_instead
 from hst_drive.identify.search import Search
@@ -40,13 +41,14 @@ def test_two_stand_for_one_only_where_they_are_there(seed, options, hidden, foun
 @pytest.mark.parametrize('hidden, form, first', [
     ('bearing_friction', 'tanh', 'bearing_friction'),
     ('back_pressure', 'flow_dependent', 'back_pressure')])
-def test_of_effects_that_look_alike_the_plainer_comes_first(hidden, form, first):
+def test_of_effects_that_look_alike_the_likelier_comes_first(hidden, form, first):
     """A return pressure, with more parameters, fits friction as well; but not the reverse."""
     made = make_campaign(3702040, {hidden: {'size': 1.3, 'form': form}}, **UNIT)
     search = Search(Campaign(*as_runs(made)), CANDIDATES)
     best = search.refine(search.single('back_pressure'))
     assert not search.unexplained(best)
-    assert plainer(search, best).names == (first,)
+    rivals = {'back_pressure': alternatives(search, best, 'back_pressure')}
+    assert likeliest(search, best, rivals).names == (first,)
 
 
 @pytest.mark.needs_numba

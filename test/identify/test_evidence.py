@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Probabilities of explanations against closed forms, other formulas and exact integrals."""
-from hst_drive.diagnose.evidence import (
+from hst_drive.identify.evidence import (
     BIN, covariance, Explanation, laplace, likelihoods, probability, range_of, Sensor, Signal)
 import numpy as np
 import pytest

@@ -3,23 +3,18 @@
 """What a search has fitted, as explanations that are weighed against each other (``evidence``)."""
 from __future__ import annotations
 
-from typing import Iterator, Mapping, NamedTuple, Sequence
+from typing import Iterator, NamedTuple, Sequence
 
-from hst_drive.diagnose.evidence import (
-    BIN, DECIDED, decided, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor,
-    Signal, weight)
-from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.evidence import (
+    BIN, evidence, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor, Signal,
+    weight)
 from hst_drive.identify.fit import at_its_end, Fit
-from hst_drive.identify.judge import IN_SAMPLE
-from hst_drive.identify.limits import limited
 from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.search import Candidate, Search
-from hst_drive.identify.standing import standing
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 
-_CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
 _QUICK = 0.03   # s: with the right model pressure, flow and speed are alike for 0.01 to 0.04
 _ROUGH = 0.03   # of the squared floor: white noise that floors do not know
 
@@ -31,79 +26,35 @@ class _Piece(NamedTuple):
     bins: np.ndarray
 
 
-def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-                verdict: str) -> Probability:
-    """
-    Return how probable each set is, given what the tests over held-out blocks decided as well.
-
-    ``rivals`` are what could stand in the place of each effect of the set that was found.
-    """
-    named = [best.names, *(
-        tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
-        for name, group in rivals.items() for rival in group)]
-    return decided(weigh(search, best), verdict, named)
-
-
 def weigh(search: Search, best: Candidate) -> Probability:
     """Return how probable each set is that a search has fitted, ``best`` among them."""
     campaign = search.campaign
     tried = [entry for entry in search.tried() if entry.names == best.names or not any(
         at_its_end(campaign, entry.fit.model, name) for name in entry.names)]
-    pieces = list(_pieces(campaign))
-    base = _means(campaign, search.base.errors)
-    found = [Explanation(names, _signals(campaign, pieces, base, fitted),
-                         _penalty(own, fitted), listed)
-             for names, own, fitted, listed in (
-                 *((entry.names, campaign, entry.fit, True) for entry in tried),
-                 *((_listed(search, fitted), own, fitted, False)
-                   for own, fitted in search.unlisted))]
+    found = _explanations(search, [
+        *((entry.names, campaign, entry.fit, True) for entry in tried),
+        *((_listed(search, fitted), own, fitted, False) for own, fitted in search.unlisted)])
     return probability(found, _sensors(campaign), len(search.candidates))
 
 
-def nearly_certain(search: Search, best: Candidate) -> Candidate:
-    """
-    Return the set that is nearly certain and leaves nothing, or what the tests found.
-
-    What shows in a single event of a short log no test over blocks can be sure of. Something may
-    hide so although nothing seems to be left: where it takes the unit off a limit, and much of
-    the error of the logs that were fitted.
-    """
-    left = search.unexplained(best)
-    strained = limited(search.campaign, best.fit)
-    if not (left or strained):
-        return best
-    found = weigh(search, best)
-    names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
-    if share < _CERTAIN * (1.0 - found.unknown) or names == best.names:
-        return best
-    entry, = (entry for entry in search.tried() if entry.names == names)
-    likelier = standing(search, search.refine(entry))
-    if likelier.names != names or search.unexplained(likelier):
-        return best
-    hidden = limited(search.campaign, likelier.fit) < strained and max(
-        search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE
-    return likelier if left or hidden else best
+def log_odds(search: Search, entries: Sequence[Candidate], best: Candidate) -> np.ndarray:
+    """Return the logarithm of how much more probable fitted sets are than ``best``."""
+    sensors = _sensors(search.campaign)
+    first, *found = [evidence(entry, sensors, len(search.candidates))[0]
+                     for entry in _explanations(search, [
+                         (entry.names, search.campaign, entry.fit, True)
+                         for entry in (best, *entries)])]
+    return np.array(found) - first
 
 
-def likeliest(search: Search, best: Candidate,
-              rivals: Mapping[str, Sequence[str]]) -> Candidate:
-    """
-    Return the likeliest of the sets that stand.
-
-    The tests have chosen ``best``, so that another one must outweigh that.
-    """
-    others = [tuple(sorted({*best.names} - {name} | {rival}))
-              for name, group in rivals.items() for rival in group
-              if rival in search.candidates]
-    if not others:
-        return best
-    shares = dict(weigh(search, best).sets)
-    names = max(others, key=lambda entry: shares.get(entry, 0.0))
-    if shares.get(names, 0.0) <= DECIDED * shares.get(best.names, 0.0):
-        return best
-    entry, = (entry for entry in search.tried() if entry.names == names)
-    found = standing(search, search.refine(entry))
-    return found if found.names == names and not search.unexplained(found) else best
+def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]
+                  ) -> list[Explanation]:
+    """Return explanations: effects, campaign in which they were fitted, fit, whether listed."""
+    campaign = search.campaign
+    pieces, base = list(_pieces(campaign)), _means(campaign, search.base.errors)
+    return [Explanation(names, _signals(campaign, pieces, base, fit), _penalty(own, fit), listed,
+                        len({*names} & {*campaign.adopted}))
+            for names, own, fit, listed in fitted]
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:

@@ -71,13 +71,15 @@ class Explanation(NamedTuple):
     A fitted set of effects, or (not ``listed``) that and something else, or that in its place.
 
     ``penalty`` is the logarithm of the priors' density at the fit times the volume of its
-    posterior (``laplace``).
+    posterior (``laplace``). So many of the effects are ``known``: of a machine that has a fault it
+    is likelier that this grows than that any other one comes up.
     """
 
     effects: tuple[str, ...]
     signals: Mapping[str, Signal]
     penalty: float
     listed: bool = True
+    known: int = 0
 
 
 class Probability(NamedTuple):
@@ -202,10 +204,10 @@ def probability(explanations: Sequence[Explanation], sensors: Mapping[str, Senso
     sensors : mapping of str to Sensor
         How each signal scatters.
     candidates : int
-        Effects that were searched for: each is as probable before.
+        Effects that were searched for: each that is not known is as probable before.
 
     """
-    listed, unlisted = np.array([_evidence(entry, sensors, candidates)
+    listed, unlisted = np.array([evidence(entry, sensors, candidates)
                                  for entry in explanations]).T
     # Whatever listed effects stand beside it, it is one hypothesis.
     unknown = float(logsumexp(unlisted)) + np.log(_UNLISTED)
@@ -217,8 +219,8 @@ def probability(explanations: Sequence[Explanation], sensors: Mapping[str, Senso
         tuple((names, share) for names, share in found if names and share > 0.0))
 
 
-def _evidence(entry: Explanation, sensors: Mapping[str, Sensor],
-              candidates: int) -> tuple[float, float]:
+def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
+             candidates: int) -> tuple[float, float]:
     """Return the evidence of a set alone, and with something unlisted beside it."""
     alone = beside = 0.0
     for name, signal in entry.signals.items():
@@ -228,7 +230,7 @@ def _evidence(entry: Explanation, sensors: Mapping[str, Sensor],
         # Each signal shows it or does not.
         beside += float(logsumexp([*formula, *(likely + _of_any_size())])) - float(np.log(2.0))
     # What is not listed and was fitted is one more of as many.
-    count = len(entry.effects) + (not entry.listed)
+    count = len(entry.effects) - entry.known + (not entry.listed)
     before = entry.penalty - count * float(np.log(max(candidates, 1)))
     alone, beside = (before + weight(len(entry.signals)) * value for value in (alone, beside))
     return (alone, beside) if entry.listed else (-np.inf, alone)

@@ -1,0 +1,82 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Which of the sets that were fitted is the answer, by tests and evidence."""
+from __future__ import annotations
+
+from math import log
+from typing import Mapping, Sequence
+
+from hst_drive.diagnose.result import UNIT_ALONE
+from hst_drive.effects import catalogue
+from hst_drive.identify.evidence import DECIDED, decided, Probability
+from hst_drive.identify.judge import IN_SAMPLE
+from hst_drive.identify.limits import limited
+from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.standing import standing
+from hst_drive.identify.weigh import log_odds, weigh
+
+_CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
+
+
+def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
+                verdict: str) -> Probability:
+    """
+    Return how probable each set is, given what the tests over held-out blocks decided as well.
+
+    ``rivals`` are what could stand in the place of each effect of the set that was found.
+    """
+    named = [best.names, *(
+        tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
+        for name, group in rivals.items() for rival in group)]
+    return decided(weigh(search, best), verdict, named)
+
+
+def nearly_certain(search: Search, best: Candidate) -> Candidate:
+    """
+    Return the set that is nearly certain and leaves nothing, or what the tests found.
+
+    What shows in a single event of a short log no test over blocks can be sure of. Something may
+    hide so although nothing seems to be left: where it takes the unit off a limit, and much of
+    the error of the logs that were fitted.
+    """
+    left = search.unexplained(best)
+    strained = limited(search.campaign, best.fit)
+    if not (left or strained):
+        return best
+    found = weigh(search, best)
+    names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
+    if share < _CERTAIN * (1.0 - found.unknown) or names == best.names:
+        return best
+    entry, = (entry for entry in search.tried() if entry.names == names)
+    likelier = standing(search, search.refine(entry))
+    if likelier.names != names or search.unexplained(likelier):
+        return best
+    hidden = limited(search.campaign, likelier.fit) < strained and max(
+        search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE
+    return likelier if left or hidden else best
+
+
+def likeliest(search: Search, best: Candidate,
+              rivals: Mapping[str, Sequence[str]]) -> Candidate:
+    """Return the likeliest of ``best`` and the sets with a rival in the place of an effect."""
+    wanted = {tuple(sorted({*best.names} - {name} | {rival}))
+              for name, group in rivals.items() for rival in group
+              if rival in search.candidates}
+    if not wanted:
+        return best
+    sets = [best, *(search.refine(entry) for entry in search.tried() if entry.names in wanted)]
+    odds = log_odds(search, sets, best)
+    # Of what evidence hardly tells apart (Kass and Raftery) the plainest.
+    first = min((entry for entry, value in zip(sets, odds) if value >= odds.max() - log(DECIDED)),
+                key=lambda entry: _plainness(entry.names))
+    if first is best:
+        return best
+    found = standing(search, first)
+    return found if found.names in wanted and not search.unexplained(found) else best
+
+
+def _plainness(names: Sequence[str]) -> tuple[int, int]:
+    """Return how many effects need a drive that turns both ways to show, and all parameters."""
+    effects = [catalogue()[name] for name in names]
+    return (sum(effect.both_ways for effect in effects),
+            sum(len(effect.parameters) for effect in effects))
