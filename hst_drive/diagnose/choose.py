@@ -67,8 +67,9 @@ def likeliest(search: Search, best: Candidate,
     sets = [best, *(search.refine(entry) for entry in search.tried() if entry.names in wanted)]
     odds = log_odds(search, sets, best)
     # Of what evidence hardly tells apart (Kass and Raftery) the plainest.
-    first = min((entry for entry, value in zip(sets, odds) if value >= odds.max() - log(DECIDED)),
-                key=lambda entry: _plainness(entry.names))
+    first, _ = min(((entry, value) for entry, value in zip(sets, odds)
+                    if value >= odds.max() - log(DECIDED)),
+                   key=lambda item: (_plainness(item[0].names), -item[1]))
     if first is best:
         return best
     found = standing(search, first)

@@ -1,12 +1,16 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Wear of the hydromotor: laminar gap flow beyond its leakage table."""
+"""Wear of the hydromotor: leakage beyond its table, laminar and what real gaps make of that."""
 from hst_drive.effects.base import Effect, Parameter
 
+REFERENCE = 7e6     # Pa: about where a drive works, so that size and exponent are told apart
 
-def flow_loss(pressure, conductance):
-    """Return the additional laminar leakage of the hydromotor, m^3/s."""
-    return conductance * pressure
+
+def flow_loss(pressure, conductance, exponent):
+    """Return the additional leakage of the hydromotor, m^3/s."""
+    if exponent == 1.0:
+        return conductance * pressure
+    return conductance * REFERENCE * (max(pressure, 0.0) / REFERENCE)**exponent
 
 
 EFFECT = Effect(
@@ -14,10 +18,12 @@ EFFECT = Effect(
     title='the hydromotor leaks more than its table: wear',
     slot='motor_flow_loss',
     function=flow_loss,
-    equation='Q = conductance * P',
+    equation='Q = conductance * 70 bar * (P / 70 bar)^exponent',
     parameters=(
         Parameter('conductance', 'm^3/(s.Pa)', 0.0, 3e-11, 1.3e-12,
-                  'additional laminar leakage conductance of the hydromotor'),
+                  'additional leakage of the hydromotor over pressure, at 70 bar'),
+        Parameter('exponent', '1', 0.65, 1.35, 1.0, 'power of the pressure: 1 laminar',
+                  neutral=1.0, whole_drive=True),
     ),
     telltale='The flow meter reads more than the hydromotor turns away, in proportion to '
              'pressure and whatever the speed.',
