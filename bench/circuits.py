@@ -23,6 +23,7 @@ from bench.visible import detectable
 from bench.visible_circuits import visible
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.document import as_json
 from hst_drive.errors import InputError
 from hst_drive.rig import load_rig
 
@@ -52,7 +53,8 @@ def judged(circuit: str, seed: int, kind: str) -> dict:
     right = {'none': found.verdict != 'unknown' and not named,
              'single': named[:1] == wanted, 'pair': sorted(named) == wanted,
              'unlisted': found.verdict == 'unknown'}[kind]
-    return {'seed': seed, 'kind': kind, 'truth': wanted or sorted(truth['enters']),
+    return {'seed': seed, 'kind': kind, 'effects': wanted, 'hidden': sorted(truth['enters']),
+            'always': sorted(always), 'probability': as_json(found)['probability'],
             'verdict': found.verdict, 'right': right,
             'named': [entry.id for entry in found.effects],
             'alone': right and found.verdict != 'unknown' and sorted(named) == wanted,
@@ -91,7 +93,8 @@ def main() -> None:
         done.append(judged(args.circuit, args.seed + number, KINDS[number % len(KINDS)]))
         with args.json.open('a', encoding='utf-8') as file:
             file.write(json.dumps(done[-1]) + '\n')
-        print(*(f'{key}={value}' for key, value in done[-1].items() if key != 'said'), flush=True)
+        print(*(f'{key}={value}' for key, value in done[-1].items()
+                if key not in ('said', 'probability')), flush=True)
     for kind in dict.fromkeys(KINDS):
         if any(row['kind'] == kind for row in done):
             print(tally(done, kind))

@@ -3,8 +3,9 @@
 """
 Do stated probabilities hold? ``python -m bench.reliability ROWS.jsonl... --plot FILE.png``.
 
-Reads what ``bench.frozen.score`` or ``bench.diagnosis`` wrote. An answer is right if its most
-probable explanation is the truth: the exact set, *unknown* for what is not listed, or *none*.
+Reads what ``bench.frozen.score``, ``bench.diagnosis`` and ``bench.circuits`` wrote. An answer is
+right if its most probable explanation is the truth: the exact set, *unknown* for what is not
+listed, or *none*.
 """
 from __future__ import annotations
 
@@ -31,8 +32,11 @@ class Answer(NamedTuple):
 def answer(row: dict) -> Answer:
     """Return what a row tells."""
     given, truth = row['probability'], row.get('truth', row)
-    shares = {frozenset(entry['effects']): entry['probability'] for entry in given['sets']}
-    shares |= {frozenset(): given['none'], frozenset(['unknown']): given['unknown']}
+    shares = {frozenset(): given['none'], frozenset(['unknown']): given['unknown']}
+    for entry in given['sets']:
+        # What is true of all machines of a kind is neither right nor wrong.
+        names = frozenset(entry['effects']) - {*row.get('always', ())}
+        shares[names] = shares.get(names, 0.0) + entry['probability']
     true = frozenset(['unknown'] if truth['kind'] in ('unlisted', 'outside')
                      else truth['effects'])
     most = max(shares, key=shares.get)
