@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """What explains the recordings alike is told beside what was found, whichever came first."""
-from bench.campaigns import as_runs
+from bench.campaigns import as_runs, STANDARD
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Search
@@ -18,3 +18,14 @@ def test_a_formula_that_another_can_take_is_told_where_it_takes_it(form, alike):
     search = Search(Campaign(*as_runs(made)), ('motor_leakage', 'pump_leakage'))
     best = search.refine(search.single('pump_leakage'))
     assert ('pump_orifice_leakage' in alternatives(search, best, 'pump_leakage')) == alike
+
+
+@pytest.mark.needs_numba
+def test_without_a_flow_meter_both_leaks_are_told_whatever_the_form():
+    """Neither may win because its formula alone can bend."""
+    made = make_campaign(771004, {'motor_leakage': {'size': 0.9, 'form': 'mixed'}}, channels=tuple(
+        name for name in STANDARD if name != 'motor_inlet_flow'))
+    search = Search(Campaign(*as_runs(made)), ('motor_leakage', 'pump_leakage'))
+    for first, second in (('motor_leakage', 'pump_leakage'), ('pump_leakage', 'motor_leakage')):
+        best = search.refine(search.single(first))
+        assert second in alternatives(search, best, first)

@@ -116,6 +116,14 @@ def test_an_effect_that_adds_nothing_is_less_probable_than_none():
     assert found.none > 9 * found.effects['leak'] and found.none > 3 * found.unknown
 
 
+def test_what_is_known_of_a_machine_is_as_probable_beforehand_as_none():
+    """Of equal fits; any other effect is one of as many as are searched for."""
+    found = probability([explanation((), noise(4)), explanation(('leak',), noise(4), known=1),
+                         explanation(('drag',), noise(4))], SENSORS, 20)
+    assert found.effects['leak'] == pytest.approx(found.none)
+    assert found.effects['leak'] == pytest.approx(20 * found.effects['drag'])
+
+
 def test_what_one_effect_explains_names_it_and_all_sums_to_one():
     left = noise(5)
     sets = [explanation((), left + WAVE), explanation(('leak',), left, WAVE, -6.0),
