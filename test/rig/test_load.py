@@ -264,10 +264,11 @@ def test_adopted_effects_and_calibration_reach_the_model():
     content = changed('effects', {'motor_leakage': {'conductance': '0.01 L/min/bar'}})
     content['calibration'] = {'motor.inertia': 1.1}
     rig = parse_rig(content)
-    assert rig.effects == {'motor_leakage': {'conductance': pytest.approx(1e-7 / 60e3)}}
-    drive = Drive(rig)
     # A parameter that the rig file leaves out has its usual value.
-    assert drive.effects == {'motor_leakage': {**rig.effects['motor_leakage'], 'exponent': 1.0}}
+    assert rig.effects == {'motor_leakage': {
+        'conductance': pytest.approx(1e-7 / 60e3), 'exponent': 1.0}}
+    drive = Drive(rig)
+    assert drive.effects == rig.effects
     assert drive.parameters[6] == pytest.approx(1.1 * 0.35)
 
 
