@@ -26,7 +26,7 @@ import pytest
 from ..measure.synthetic import record
 
 pytestmark = pytest.mark.needs_numba
-LEAK = {'motor_leakage': {'conductance': 1.2e-12}}
+LEAK = {'motor_leakage': {'conductance': 1.2e-12, 'exponent': 1.0}}
 
 
 @pytest.fixture(scope='module')
@@ -224,7 +224,7 @@ def test_a_job_can_be_stopped(answers):
 def test_the_catalogue_is_whole():
     shown = {entry['id']: entry for entry in parameters()}
     assert set(shown) == set(catalogue())
-    leak, = shown['motor_leakage']['parameters']
+    leak, _ = shown['motor_leakage']['parameters']
     assert leak['unit'] == 'L/min/bar' and np.isclose(leak['high'] * leak['per'], 0.18)
 
 

@@ -159,7 +159,7 @@ def test_mistakes_are_told_on_the_page(seen, folder):
     page = seen.page
     page.check('#switch-motor_leakage')
     seen.until(f'"motor_leakage" in {SHOWN}.effects')
-    number = page.locator('[data-id=motor_leakage] input[type=number]')
+    number = page.locator('[data-id=motor_leakage] input[type=number]').first
     number.fill('1000')
     number.press('Enter')
     seen.until('document.getElementById("alerts").textContent.includes("outside the plausible")')

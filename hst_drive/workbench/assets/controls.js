@@ -86,8 +86,8 @@ const Controls = (() => {
       const unit = entry.unit === '1' ? '' : entry.unit;
       const slider = make('input', {type: 'range', min: '0', max: '1', step: '0.002',
         'aria-label': `${label}, slider`});
-      const number = make('input', {type: 'number', step: 'any', 'aria-label': `${label} [${unit}]`,
-        title: entry.meaning, min: String(short(entry.low * entry.per)),
+      const number = make('input', {type: 'number', step: 'any',
+        'aria-label': unit ? `${label} [${unit}]` : label, title: entry.meaning, min: String(short(entry.low * entry.per)),
         max: String(short(entry.high * entry.per))});
       const lock = make('input', {type: 'checkbox', 'aria-label': `lock ${label}`,
         title: entry.fixed ? 'chosen, never fitted' : 'a fit leaves it as it is'});
