@@ -87,8 +87,8 @@ const Controls = (() => {
       const slider = make('input', {type: 'range', min: '0', max: '1', step: '0.002',
         'aria-label': `${label}, slider`});
       const number = make('input', {type: 'number', step: 'any',
-        'aria-label': unit ? `${label} [${unit}]` : label, title: entry.meaning, min: String(short(entry.low * entry.per)),
-        max: String(short(entry.high * entry.per))});
+        'aria-label': unit ? `${label} [${unit}]` : label, title: entry.meaning,
+        min: String(short(entry.low * entry.per)), max: String(short(entry.high * entry.per))});
       const lock = make('input', {type: 'checkbox', 'aria-label': `lock ${label}`,
         title: entry.fixed ? 'chosen, never fitted' : 'a fit leaves it as it is'});
       lock.disabled = entry.fixed;
