@@ -6,7 +6,7 @@ How well a test would tell rival explanations apart.
 Expected: linearised, from one rehearsal. Of the difference between two rivals that part counts
 which neither the second one's own parameters nor the unit's tolerances can take up, and that is
 more than a real machine is off any formula. Verified: every rival in turn makes noisy records of
-what is known and of the test, all are fitted to both, and the rules of a diagnosis judge.
+what is known and of the test, all are fitted to both, and weighed as in a diagnosis.
 """
 from __future__ import annotations
 
@@ -235,26 +235,25 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
                      channels) for place, (play, channels) in enumerate(records)])
         search = Search(campaign, [])
         best = search.try_all([(tuple(model.effects), model)], '')[0]
-        found = []
+        rivals = []
         for rival in (*models[:truth], *models[truth + 1:]):
             names = tuple(rival.effects)
             kept = Model({name: values for name, values in best.fit.model.effects.items()
                           if name in rival.effects}, best.fit.model.factors)
-            search.try_all([(names, rival)], '')
+            found, = search.try_all([(names, rival)], '')
             if len(names) == len(kept.effects) + 1:
-                search.try_all([(names, kept)], '', again=True)
-            found.append(_apart(search, best, search.try_all([(names, rival)], '')[0]))
-        apart.append(min(found))
+                found, = search.try_all([(names, kept)], '', again=True)
+            rivals.append(found)
+        apart.append(_apart(search, best, rivals))
     return apart
 
 
-def _apart(search: Search, best: Candidate, rival: Candidate) -> float:
-    """Return in sigma how far a diagnosis would see the best above a rival."""
-    if any(at_its_end(search.campaign, rival.fit.model, name) for name in rival.names
-           if name not in best.names):
-        return _MOST
-    odds, = log_odds(search, [rival], best)
-    return float(np.sqrt(2.0 * max(-odds, 0.0)))
+def _apart(search: Search, best: Candidate, rivals: Sequence[Candidate]) -> float:
+    """Return in sigma how far a diagnosis would see the best above the nearest rival."""
+    ended = [any(at_its_end(search.campaign, rival.fit.model, name) for name in rival.names
+                 if name not in best.names) for rival in rivals]
+    odds = log_odds(search, [best, *rivals])[1:]
+    return float(np.where(ended, _MOST, np.sqrt(2.0 * np.maximum(-odds, 0.0))).min())
 
 
 def _uncertainty(first: Model, second: Model) -> float:

@@ -25,10 +25,13 @@ def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[s
 
     ``rivals`` are what could stand in the place of each effect of the set that was found.
     """
-    named = [best.names, *(
-        tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
-        for name, group in rivals.items() for rival in group)]
-    return decided(weigh(search, best), verdict, named)
+    return decided(weigh(search, best), verdict, [best.names, *_exchanged(best, rivals)])
+
+
+def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple[str, ...]]:
+    """Return the sets with a rival, or the unit alone, in the place of an effect."""
+    return {tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
+            for name, group in rivals.items() for rival in group}
 
 
 def nearly_certain(search: Search, best: Candidate) -> Candidate:
@@ -59,13 +62,12 @@ def nearly_certain(search: Search, best: Candidate) -> Candidate:
 def likeliest(search: Search, best: Candidate,
               rivals: Mapping[str, Sequence[str]]) -> Candidate:
     """Return the likeliest of ``best`` and the sets with a rival in the place of an effect."""
-    wanted = {tuple(sorted({*best.names} - {name} | {rival}))
-              for name, group in rivals.items() for rival in group
-              if rival in search.candidates}
+    wanted = {names for names in _exchanged(best, rivals)
+              if {*names} - {*best.names} <= {*search.candidates}}
     if not wanted:
         return best
     sets = [best, *(search.refine(entry) for entry in search.tried() if entry.names in wanted)]
-    odds = log_odds(search, sets, best)
+    odds = log_odds(search, sets)
     # Of what evidence hardly tells apart (Kass and Raftery) the plainest.
     first, _ = min(((entry, value) for entry, value in zip(sets, odds)
                     if value >= odds.max() - log(DECIDED)),

@@ -232,8 +232,9 @@ def _instead_of_limits(search: Search) -> list[Candidate]:
         return []       # of slow records the floors are not known so well
     found = [entry for entry in search.singles()
              if relieves(search, entry) and _size(search.campaign, entry) >= _WORTH]
-    return [entry for entry, odds in zip(found, log_odds(search, found, found[0]))
-            if odds >= -CREDIBLE] if found else []
+    if not found:
+        return []
+    return [entry for entry, odds in zip(found, log_odds(search, found)) if odds >= -CREDIBLE]
 
 
 def _size(campaign: Campaign, single: Candidate) -> float:

@@ -38,7 +38,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
                            again=True)
     found = [entry for entry in found if not at_its_end(
         search.campaign, entry.fit.model, _new(entry, others))]
-    odds = log_odds(search, found, best)
+    odds = log_odds(search, [best, *found])[1:]
     return tuple(_new(found[place], others) for place in np.argsort(-odds)
                  if odds[place] >= -CREDIBLE)
 

@@ -37,14 +37,13 @@ def weigh(search: Search, best: Candidate) -> Probability:
     return probability(found, _sensors(campaign), len(search.candidates))
 
 
-def log_odds(search: Search, entries: Sequence[Candidate], best: Candidate) -> np.ndarray:
-    """Return the logarithm of how much more probable fitted sets are than ``best``."""
+def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
+    """Return the logarithm of how much more probable fitted sets are than the first of them."""
     sensors = _sensors(search.campaign)
-    first, *found = [evidence(entry, sensors, len(search.candidates))[0]
-                     for entry in _explanations(search, [
-                         (entry.names, search.campaign, entry.fit, True)
-                         for entry in (best, *entries)])]
-    return np.array(found) - first
+    found = np.array([evidence(entry, sensors, len(search.candidates))[0]
+                      for entry in _explanations(search, [
+                          (entry.names, search.campaign, entry.fit, True) for entry in entries])])
+    return found - found[0]
 
 
 def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]
