@@ -17,7 +17,7 @@ from hst_drive.diagnose.free_forms import (
     as_much, beaten, fitted_freer, Freer, much_left, REST, share_of, sure, told_as, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import SLOTS
+from hst_drive.effects.slots import SLOTS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.part import PartCampaign

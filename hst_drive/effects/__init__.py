@@ -15,8 +15,9 @@ import math
 import pkgutil
 
 from hst_drive.as_function import make_callable
-from hst_drive.effects.base import arguments, Effect, Parameter, READABLE, readable, Slot, SLOTS
+from hst_drive.effects.base import arguments, Effect, Parameter
 from hst_drive.effects.formula import FORMULAS
+from hst_drive.effects.slots import READABLE, readable, Slot, SLOTS
 from hst_drive.errors import InputError
 
 __all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'edition',
@@ -26,7 +27,7 @@ make_callable(__name__)
 GROUP = 'hst_drive.effects'
 _HERE = 'registered here'
 _editions: list[str] = []
-_NOT_EFFECTS = ('base', 'formula', 'oil')
+_NOT_EFFECTS = ('base', 'formula', 'oil', 'slots')
 
 
 def catalogue(everything: bool = False) -> dict[str, Effect]:

@@ -1,7 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A return line that is not free: what stands in it, and what its filter and pipe add."""
-from hst_drive.effects.base import DRILLING_SPEED, Effect, Parameter
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import DRILLING_SPEED
 
 
 def outlet(motor_speed, outlet_pressure, flow_share):

@@ -1,7 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Churning: parts that stir the oil in the case."""
-from hst_drive.effects.base import DRILLING_SPEED, Effect, Parameter
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import DRILLING_SPEED
 
 
 def torque_loss(motor_speed, coefficient, exponent):

@@ -7,7 +7,8 @@ Pressure waves run between pump and hydromotor; the first of them is that of a m
 two volumes, one at each end. ``inertance`` is density times length over area: 3e7 for 10 m of
 20 mm hose.
 """
-from hst_drive.effects.base import Effect, Parameter, USUAL_FAR
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import USUAL_FAR
 
 
 def mass(inertance):

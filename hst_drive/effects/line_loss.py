@@ -5,7 +5,8 @@ A long or narrow hose between the pump outlet and the hydromotor.
 
 Straight hose in laminar flow, and bends, couplings and turbulent flow.
 """
-from hst_drive.effects.base import Effect, Parameter, USUAL_UPSTREAM
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import USUAL_UPSTREAM
 
 
 def drop(flow, viscosity_ratio, laminar, turbulent, viscosity_share):

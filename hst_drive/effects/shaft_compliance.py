@@ -5,7 +5,8 @@ A shaft or drill string that twists.
 
 The kernel splits the inertia into a part at the hydromotor and one behind the shaft.
 """
-from hst_drive.effects.base import Effect, Parameter, USUAL_DAMPING_TIME, USUAL_SHARE
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import USUAL_DAMPING_TIME, USUAL_SHARE
 
 
 def load_share(compliance, load_side_share):

@@ -13,8 +13,8 @@ from dataclasses import replace
 from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import LEAKS
 from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, Spread, spread

@@ -16,7 +16,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.effects import catalogue, Parameter
-from hst_drive.effects.base import LEAKS, OF_OTHER_CIRCUITS
+from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
 from hst_drive.measure.floor import replay_floor

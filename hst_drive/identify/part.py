@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.effects import catalogue, Parameter
-from hst_drive.effects.base import DRILLING_SPEED
+from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import (
     BLOCK, Campaign, ELSEWHERE, EVENTS, Model, SETTLE)
 from hst_drive.identify.columns import Column, columns

@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from typing import Callable, NamedTuple
 
-from hst_drive.effects.base import USUAL_DAMPING_TIME, USUAL_SHARE
+from hst_drive.effects.slots import USUAL_DAMPING_TIME, USUAL_SHARE
 from hst_drive.measure.noise import Coloured
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX

@@ -24,8 +24,9 @@ import types
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, edition, Effect
-from hst_drive.effects.base import arguments, SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, \
-    USUAL_SHARE, USUAL_UPSTREAM
+from hst_drive.effects.base import arguments
+from hst_drive.effects.slots import (
+    SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, USUAL_SHARE, USUAL_UPSTREAM)
 from hst_drive.model import kernel_template
 from hst_drive.model.parameters import NAMES, TABLES
 

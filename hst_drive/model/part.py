@@ -15,8 +15,8 @@ import math
 from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, READABLE
-from hst_drive.effects.base import OF_OTHER_CIRCUITS
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
+from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS

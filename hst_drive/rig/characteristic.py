@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from typing import Mapping
 
-from hst_drive.rig.rig import Surface
 from hst_drive.rig.schema import LEAKAGE, TORQUE
+from hst_drive.rig.tables import Surface
 from hst_drive.units import to_si
 import numpy as np
 

@@ -14,11 +14,12 @@ from hst_drive.rig.adopted import read_effects
 from hst_drive.rig.characteristic import constant, leakage, torque_efficiency
 from hst_drive.rig.fingerprint import read_fingerprint, SECTION
 from hst_drive.rig.identity import digest
-from hst_drive.rig.rig import Curve, Rig, Sensor, Surface
+from hst_drive.rig.rig import Rig, Sensor
 from hst_drive.rig.schema import (
     FACTORS, LEAKAGE, Limits, Number, OIL_TEMPERATURES, ONLY_IN, PART, SECTIONS, SENSOR_UNITS,
     SUFFIXES, Table, TOLERANCES, TORQUE)
 from hst_drive.rig.shaft import at_measured_shaft
+from hst_drive.rig.tables import Curve, Surface
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import difference_to_si, from_si, to_si, UNITS
 import numpy as np

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from hst_drive.rig.rig import Gear, Motor, Surface
+from hst_drive.rig.rig import Gear, Motor
+from hst_drive.rig.tables import Surface
 
 
 def at_measured_shaft(motor: Motor, gear: Gear | None) -> Motor:

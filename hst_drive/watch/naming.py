@@ -14,7 +14,8 @@ import math
 from typing import Mapping, NamedTuple
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import Effect, Parameter, READABLE
+from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.slots import READABLE
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.part import PartModel
 from hst_drive.rig.rig import OPEN

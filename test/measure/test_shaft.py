@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """What a torque sensor on a flexible shaft tells of the load, against the equations solved."""
-from hst_drive.effects.base import USUAL_DAMPING_TIME
+from hst_drive.effects.slots import USUAL_DAMPING_TIME
 from hst_drive.measure.noise import Coloured
 from hst_drive.measure.shaft import Behind, behind, load_side, LoadSide
 from hst_drive.model import Drive

@@ -7,7 +7,7 @@ from pathlib import Path
 from bench.watch import drilling, SIGNALS, watch_unit
 from hst_drive.bag import read_log
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import OF_OTHER_CIRCUITS
+from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.model.part import PartModel
 from hst_drive.rig import default_rig
 from hst_drive.rig.fingerprint import Fingerprint
