@@ -119,8 +119,7 @@ class Effect:
     gauge : str
         What would measure it by itself, for advice where no channel of a drive does.
     searched : str
-        Where a diagnosis searches it: 'always', only in logs of a part ('parts': elsewhere another
-        effect can take its form, and it is tried in that one's place), or 'never'.
+        Where a diagnosis searches it: 'always', only in logs of a part ('parts'), or 'never'.
     form_of : (str, str), optional
         Another effect and its parameter that can take this one's form: where that is fitted, only
         that effect is searched.

@@ -130,13 +130,6 @@ class Campaign:
                 if name in self.adopted or effect.searched in self.searched
                 and not (effect.form_of and self.fits(*effect.form_of))]
 
-    def doubles(self, name: str) -> list[str]:
-        """Return effects at the same place that are not searched: others can take their form."""
-        return [other for other, effect in catalogue().items()
-                if other not in self.rig.effects
-                and effect.slot == catalogue()[name].slot
-                and effect.searched not in ('never', *self.searched)]
-
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""
         if catalogue()[name].slot in OF_OTHER_CIRCUITS:
