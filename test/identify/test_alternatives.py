@@ -13,7 +13,7 @@ from ..truth import make_campaign
 @pytest.mark.needs_numba
 @pytest.mark.parametrize('form, low, high', [('orifice', 0.4, 0.7), ('laminar', 0.85, 1.15)])
 def test_another_form_of_an_effect_is_no_other_effect(form, low, high):
-    """A pump that leaks as through an orifice is a pump that leaks; its exponent tells the form."""
+    """A pump that leaks as through an orifice leaks; its exponent tells the form."""
     made = make_campaign(75, {'pump_leakage': {'size': 1.2, 'form': form}})
     search = Search(Campaign(*as_runs(made)), ('motor_leakage', 'pump_leakage'))
     best = search.refine(search.single('pump_leakage'))
