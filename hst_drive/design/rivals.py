@@ -140,7 +140,8 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
         return models
     kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
     others = [Model({**kept, name: catalogue()[name].typical}, models[0].factors)
-              for name in catalogue() if name not in tried and name not in rig.effects]
+              for name, effect in catalogue().items() if name not in {*tried, *rig.effects}
+              and effect.searched == 'always']
     play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
     rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
     found = sorted((rehearsal.pair(0, place, channels).significance, place)

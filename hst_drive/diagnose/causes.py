@@ -25,8 +25,8 @@ from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.fit import at_limit, Fit, fit, score
-from hst_drive.identify.limits import limited, relieves
+from hst_drive.identify.fit import at_limit, Fit, fit, limited, score
+from hst_drive.identify.judge import SIGNIFICANT
 from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.run import CHANNELS
@@ -34,6 +34,9 @@ import numpy as np
 
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
+# Natural logarithm of how much likelier one must make the logs than a unit at its limits: errors
+# count as independent after 0.1 s, those of the torque are alike for 0.5 s.
+_LIKELIER = 25.0
 # Signal: its formula, the variable of that, and the unit.
 _READINGS = {
     'load_torque': ('formula_torque_reading', 'torque', 'N.m'),
@@ -108,8 +111,16 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
         return sure(search, best, alone) is not None and not much_left(search, best, alone)
     other = Candidate((), alone, search.score(alone))
     if len(best.names) < 2:
-        return relieves(search, other, best, freed) and not search.unexplained(other)
+        return _relieves(search, other, best, freed) and not search.unexplained(other)
     return as_much(search, best, alone)
+
+
+def _relieves(search: Search, alone: Candidate, best: Candidate, freed: Campaign) -> bool:
+    """Say whether a cause takes quantities of the unit off their limits and is far likelier."""
+    return (limited(freed, alone.fit) < limited(search.campaign, best.fit)
+            and best.score - alone.score >= 2 * _LIKELIER
+            and max(search.gain(best, alone, False).sigma.values(),
+                    default=0.0) >= SIGNIFICANT)
 
 
 def misreadings(campaign: Campaign) -> Iterator[Freer]:

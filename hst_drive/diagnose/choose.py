@@ -9,8 +9,8 @@ from typing import Mapping, Sequence
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.identify.evidence import DECIDED, decided, Probability
+from hst_drive.identify.fit import limited
 from hst_drive.identify.judge import IN_SAMPLE
-from hst_drive.identify.limits import limited
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, weigh
@@ -34,29 +34,34 @@ def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tupl
             for name, group in rivals.items() for rival in group}
 
 
-def nearly_certain(search: Search, best: Candidate) -> Candidate:
+def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, bool]:
     """
     Return the set that is nearly certain and leaves nothing, or what the tests found.
 
     What shows in a single event of a short log no test over blocks can be sure of. Something may
     hide so although nothing seems to be left: where it takes the unit off a limit, and much of
-    the error of the logs that were fitted.
+    the error of the logs that were fitted. With less of that the unit alone may stand as well,
+    where the tests found nothing: so says what is returned beside the set.
     """
     left = search.unexplained(best)
     strained = limited(search.campaign, best.fit)
     if not (left or strained):
-        return best
+        return best, False
     found = weigh(search, best)
     names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
-    if share < _CERTAIN * (1.0 - found.unknown) or names == best.names:
-        return best
+    certain = share >= _CERTAIN * (1.0 - found.unknown)
+    missing = not best.names and found.none <= (1.0 - _CERTAIN) * (1.0 - found.unknown)
+    if names == best.names or not (certain or missing):
+        return best, False
     entry, = (entry for entry in search.tried() if entry.names == names)
     likelier = standing(search, search.refine(entry))
     if likelier.names != names or search.unexplained(likelier):
-        return best
-    hidden = limited(search.campaign, likelier.fit) < strained and max(
-        search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE
-    return likelier if left or hidden else best
+        return best, False
+    relieved = limited(search.campaign, likelier.fit) < strained
+    if certain and (left or relieved and max(
+            search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE):
+        return likelier, False
+    return (likelier, True) if missing and relieved else (best, False)
 
 
 def likeliest(search: Search, best: Candidate,

@@ -18,19 +18,17 @@ from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.alternatives import alternatives, CREDIBLE
+from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
 from hst_drive.identify.conditions import outside
 from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
-from hst_drive.identify.limits import relieves
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.pairs import pair_instead
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
-from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -38,7 +36,6 @@ from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import SECTION
 
 _SHORT = 10.0           # s that a recording should have at least
-_WORTH = 0.1            # of an effect's typical size: less is what tables do between their points
 
 
 def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
@@ -81,7 +78,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     tested = standing(search, pair_instead(search, search.run()))
-    best = certain = nearly_certain(search, tested)
+    certain, or_none = nearly_certain(search, tested)
+    best = tested if or_none else certain
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
@@ -103,21 +101,19 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
-    instead = [] if best.names or left or remaining or doubt else _instead_of_limits(search)
+    or_none = or_none and not (left or remaining or doubt)
     limited = _at_limits(campaign, best.fit)
-    if instead:
-        best = standing(search, search.refine(instead[0]))
-        instead = instead if best.names else []
+    if or_none:
+        best = certain
     order = _order(search, best)
-    if instead:
-        rivals = {best.names[0]: (*(entry.names[0] for entry in instead[1:]), UNIT_ALONE)}
-    else:
-        sure = best is certain is not tested
-        rivals = {name: () if sure else alternatives(search, best, name) for name in order}
-        first = best if left or doubt else likeliest(search, best, rivals)
-        if first is not best:
-            best, order = first, _order(search, first)
-            rivals = {name: alternatives(search, best, name) for name in order}
+    sure = best is certain is not tested and not or_none
+    rivals = {name: () if sure else alternatives(search, best, name) for name in order}
+    first = best if left or doubt else likeliest(search, best, rivals)
+    if first is not best:
+        best, order = first, _order(search, first)
+        rivals = {name: alternatives(search, best, name) for name in order}
+    if or_none:
+        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
@@ -145,7 +141,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),
-            '' if instead else limits(verdict, limited),
+            '' if or_none else limits(verdict, limited),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
@@ -155,7 +151,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
         calibration=moved, probability=after_tests(search, best, rivals, verdict),
         unknown=remaining,
-        next_test=_measure(search, best, limited) if instead else
+        next_test=_measure(search, best, limited) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),
                 **{name: entry.told for name, entry in better.items()}},
@@ -219,30 +215,6 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
         mean = (sum(value**2 for value in ratios.values()) / max(len(ratios), 1))**0.5
         entries.append(Ranked(name, mean, 0.5 * (search.baseline.score - candidate.score)))
     return tuple(sorted(entries, key=lambda entry: -entry.evidence))
-
-
-def _instead_of_limits(search: Search) -> list[Candidate]:
-    """
-    Return effects that take quantities of the unit off their limits and are far likelier.
-
-    The best comes first, then what is nearly as likely. Where a prior without limits would let the
-    unit imitate an effect, a limit may hide that effect as well.
-    """
-    if search.campaign.slow():
-        return []       # of slow records the floors are not known so well
-    found = [entry for entry in search.singles()
-             if relieves(search, entry) and _size(search.campaign, entry) >= _WORTH]
-    if not found:
-        return []
-    return [entry for entry, odds in zip(found, log_odds(search, found)) if odds >= -CREDIBLE]
-
-
-def _size(campaign: Campaign, single: Candidate) -> float:
-    """Return the size of a single effect, or its change, over its typical one."""
-    name, = single.names
-    size = campaign.parameter(name, catalogue()[name].parameters[0].name)
-    change = single.fit.model.effects[name][size.name] - campaign.off(name)[size.name]
-    return abs(change / size.typical)
 
 
 def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:

@@ -289,6 +289,11 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
     return abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key]
 
 
+def limited(campaign: Campaign, fitted: Fit) -> set[str]:
+    """Return the quantities of the unit that are as far off as their tolerances let them."""
+    return {key for key, value in fitted.model.factors.items() if at_limit(campaign, key, value)}
+
+
 def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:
     """Say whether a parameter of an effect sits at an end of what is plausible on a machine."""
     for place, declared in enumerate(catalogue(everything=True)[name].parameters):
