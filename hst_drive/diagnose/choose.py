@@ -50,7 +50,8 @@ def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, bool]:
     found = weigh(search, best)
     names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
     certain = share >= _CERTAIN * (1.0 - found.unknown)
-    missing = not best.names and found.none <= (1.0 - _CERTAIN) * (1.0 - found.unknown)
+    missing = not best.names and len(names) == 1 and (
+        found.none <= (1.0 - _CERTAIN) * (1.0 - found.unknown))
     if names == best.names or not (certain or missing):
         return best, False
     entry, = (entry for entry in search.tried() if entry.names == names)
