@@ -62,10 +62,12 @@ def run(args: argparse.Namespace) -> int:
     for entry in diagnosis['effects']:
         rivals = entry.get('indistinguishable_from')
         if rivals:
+            told = ['that is, the unit alone at the limits of its tolerances'
+                    ] if UNIT_ALONE in rivals else []
+            if {*rivals} - {UNIT_ALONE}:
+                told.append("'hst-drive design' writes a test that tells")
             tell(f"{args.output}: {entry['id']} is one of several that fit these logs; so may "
-                 f"{' or '.join(rivals)}: " + (
-                     'that is, the unit alone at the limits of its tolerances'
-                     if UNIT_ALONE in rivals else "'hst-drive design' writes a test that tells"))
+                 f"{' or '.join(rivals)}: {'; '.join(told)}")
     return 0
 
 

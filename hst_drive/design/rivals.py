@@ -134,14 +134,14 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     """
     models = list(models)
     shared = set.intersection(*(set(model.effects) for model in models))
-    tried = {name for model in models for name in model.effects}
+    tried = {*rig.effects, *(name for model in models for name in model.effects)}
     room = min(_WIDEST - len(models), _TWINS)
     if room <= 0 or len(models[0].effects) != len(shared) + 1:
         return models
     kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
     others = [Model({**kept, name: catalogue()[name].typical}, models[0].factors)
-              for name, effect in catalogue().items() if name not in {*tried, *rig.effects}
-              and effect.searched == 'always']
+              for name, effect in catalogue().items()
+              if name not in tried and effect.searched == 'always']
     play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
     rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
     found = sorted((rehearsal.pair(0, place, channels).significance, place)

@@ -34,8 +34,8 @@ import numpy as np
 
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
-# Natural logarithm of how much likelier one must make the logs than a unit at its limits: errors
-# count as independent after 0.1 s, those of the torque are alike for 0.5 s.
+# Natural logarithm of how much likelier a cause must make the logs than a unit at its limits:
+# errors count as independent after 0.1 s, those of the torque are alike for 0.5 s.
 _LIKELIER = 25.0
 # Signal: its formula, the variable of that, and the unit.
 _READINGS = {

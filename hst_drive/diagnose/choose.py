@@ -34,35 +34,37 @@ def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tupl
             for name, group in rivals.items() for rival in group}
 
 
-def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, bool]:
+def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, Candidate | None]:
     """
     Return the set that is nearly certain and leaves nothing, or what the tests found.
 
     What shows in a single event of a short log no test over blocks can be sure of. Something may
     hide so although nothing seems to be left: where it takes the unit off a limit, and much of
-    the error of the logs that were fitted. With less of that the unit alone may stand as well,
-    where the tests found nothing: so says what is returned beside the set.
+    the error of the logs that were fitted.
+
+    With less of that, where the tests found nothing, an effect may stand beside the unit alone:
+    that is the second that is returned, or None.
     """
     left = search.unexplained(best)
     strained = limited(search.campaign, best.fit)
     if not (left or strained):
-        return best, False
+        return best, None
     found = weigh(search, best)
     names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
     certain = share >= _CERTAIN * (1.0 - found.unknown)
-    missing = not best.names and len(names) == 1 and (
+    missing = not (best.names or left) and len(names) == 1 and (
         found.none <= (1.0 - _CERTAIN) * (1.0 - found.unknown))
     if names == best.names or not (certain or missing):
-        return best, False
+        return best, None
     entry, = (entry for entry in search.tried() if entry.names == names)
     likelier = standing(search, search.refine(entry))
     if likelier.names != names or search.unexplained(likelier):
-        return best, False
+        return best, None
     relieved = limited(search.campaign, likelier.fit) < strained
     if certain and (left or relieved and max(
             search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE):
-        return likelier, False
-    return (likelier, True) if missing and relieved else (best, False)
+        return likelier, None
+    return best, likelier if missing and relieved else None
 
 
 def likeliest(search: Search, best: Candidate,

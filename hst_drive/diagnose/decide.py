@@ -78,8 +78,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
     tested = standing(search, pair_instead(search, search.run()))
-    certain, or_none = nearly_certain(search, tested)
-    best = tested if or_none else certain
+    best, beside_unit = nearly_certain(search, tested)
+    certain = best
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
@@ -101,19 +101,17 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
-    or_none = or_none and not (left or remaining or doubt)
-    limited = _at_limits(campaign, best.fit)
-    if or_none:
-        best = certain
+    or_none = beside_unit is not None and not (left or remaining or doubt)
+    limited, sure = _at_limits(campaign, best.fit), best is certain is not tested
+    best = beside_unit if or_none else best
     order = _order(search, best)
-    sure = best is certain is not tested and not or_none
     rivals = {name: () if sure else alternatives(search, best, name) for name in order}
-    first = best if left or doubt else likeliest(search, best, rivals)
+    if or_none:
+        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
+    first = best if left or doubt or or_none else likeliest(search, best, rivals)
     if first is not best:
         best, order = first, _order(search, first)
         rivals = {name: alternatives(search, best, name) for name in order}
-    if or_none:
-        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}

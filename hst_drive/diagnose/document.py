@@ -46,7 +46,7 @@ def _probability(found: Probability) -> dict:
     return {'none': found.none, 'unknown': found.unknown,
             'sets': [{'effects': list(names), 'probability': share}
                      for names, share in found.sets],
-            'effects': found.effects}
+            'effects': found.effects, 'calibrated': found.calibrated}
 
 
 def _unknown(unknown: Unknown) -> dict:

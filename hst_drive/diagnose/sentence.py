@@ -97,6 +97,12 @@ def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> st
             'likelier by these tolerances: both explain these logs down to the noise.')
 
 
+def stated(found: Probability) -> str:
+    """Tell how probable explanations are, and where such numbers are not known to hold."""
+    known = '' if found.calibrated else ', not calibrated for such logs'
+    return f'probability{known}: {odds(found)}'
+
+
 def odds(found: Probability) -> str:
     """Tell how probable explanations are, the most probable first, those below 1 % left out."""
     shares = [(' + '.join(names), share) for names, share in found.sets]

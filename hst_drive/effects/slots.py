@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Where the term of an effect may enter the equations, and what it may read there."""
+"""Where the term of an effect may enter the equations, what it may read; usual numbers."""
 from __future__ import annotations
 
 from typing import NamedTuple

@@ -86,12 +86,14 @@ class Probability(NamedTuple):
     """
     How probable explanations are, given these recordings; all add up to 1.
 
-    ``sets`` holds the sets of listed effects, the most probable first.
+    ``sets`` holds the sets of listed effects, the most probable first. ``calibrated`` says whether
+    such probabilities held on simulated machines (bench/README.md).
     """
 
     none: float
     unknown: float
     sets: tuple[tuple[tuple[str, ...], float], ...]
+    calibrated: bool = False
 
     @property
     def effects(self) -> dict[str, float]:
@@ -267,5 +269,5 @@ def decided(found: Probability, verdict: str,
     yes, no = share / said, (1.0 - share) / (1.0 - said)
     sets = sorted(((names, (yes if own else no) * value)
                    for (names, value), own in zip(found.sets, held)), key=lambda item: -item[1])
-    return Probability(found.none * (yes if none else no),
-                       found.unknown * (yes if unknown else no), tuple(sets))
+    return found._replace(none=found.none * (yes if none else no),
+                          unknown=found.unknown * (yes if unknown else no), sets=tuple(sets))

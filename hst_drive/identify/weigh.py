@@ -34,7 +34,9 @@ def weigh(search: Search, best: Candidate) -> Probability:
     found = _explanations(search, [
         *((entry.names, campaign, entry.fit, True) for entry in tried),
         *((_listed(search, fitted), own, fitted, False) for own, fitted in search.unlisted)])
-    return probability(found, _sensors(campaign), len(search.candidates))
+    # Of whole drives with an open circuit they held (bench/README.md).
+    return probability(found, _sensors(campaign), len(search.candidates))._replace(
+        calibrated=not isinstance(campaign, PartCampaign))
 
 
 def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:

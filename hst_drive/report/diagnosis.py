@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 from hst_drive.diagnose.result import Diagnosis, not_known, Unknown
-from hst_drive.diagnose.sentence import odds
+from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue
 from hst_drive.report.terminal import MISSING, size, table
 
 
 def text(result: Diagnosis, short: bool = False) -> str:
     """Return the diagnosis for a terminal; the short form stops after what was found."""
-    lines = [result.sentence.strip(), '',
-             f'probability, not calibrated yet: {odds(result.probability)}', '']
+    lines = [result.sentence.strip(), '', stated(result.probability), '']
     if result.effects:
         lines += [_effects(result), '']
     lines += ['error over the noise floor, held-out data (training data in brackets):',

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 
 from hst_drive.diagnose.result import not_known
-from hst_drive.diagnose.sentence import odds
+from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.identify.evidence import Probability
 from hst_drive.measure.run import CHANNELS
@@ -49,9 +49,9 @@ def found_section(diagnosis: dict) -> Markup:
     parts: list[object] = [effect_card(entry) for entry in diagnosis['effects']]
     if given := diagnosis.get('probability'):
         found = Probability(given['none'], given['unknown'], tuple(
-            (tuple(entry['effects']), entry['probability']) for entry in given['sets']))
-        parts.insert(0, element('p', f'Probability, not calibrated yet: {odds(found)}.',
-                                class_='probability'))
+            (tuple(entry['effects']), entry['probability']) for entry in given['sets']),
+            given.get('calibrated', False))
+        parts.insert(0, element('p', f'P{stated(found)[1:]}.', class_='probability'))
     if diagnosis.get('unknown'):
         parts.append(_unknown(diagnosis['unknown']))
     if diagnosis.get('next_test'):

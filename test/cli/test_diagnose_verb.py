@@ -94,7 +94,8 @@ def test_the_probability_goes_with_the_verdict(content, diagnosed):
     """The effect that was hidden is the most probable explanation, and the text tells it."""
     assert max(content['probability']['effects'].items(), key=lambda item: item[1])[0] == HIDDEN
     assert content['probability']['effects'][HIDDEN] > 0.5
-    assert f'probability, not calibrated yet: {HIDDEN} ' in diagnosed[0]
+    assert content['probability']['calibrated'] is True, 'a whole drive, open circuit'
+    assert f'probability: {HIDDEN} ' in diagnosed[0]
     assert content['unknown'] is None or {'enters', 'signal', 'depends_on', 'expression'} <= set(
         content['unknown'])
     assert content['next_test'] is None or {'separates', 'what'} <= set(content['next_test'])

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How numbers of a diagnosis are told."""
-from hst_drive.diagnose.sentence import limits, odds, times
+from hst_drive.diagnose.sentence import limits, odds, stated, times
 from hst_drive.identify.evidence import Probability
 import pytest
 
@@ -29,3 +29,5 @@ def test_probabilities_are_told_the_highest_first_and_crumbs_left_out():
     found = Probability(0.004, 0.3, ((('leak',), 0.6), (('drag', 'leak'), 0.096)))
     assert odds(found) == 'leak 0.60, unknown 0.30, drag + leak 0.10'
     assert odds(Probability(0.999, 0.001, ())) == 'none above 0.99'
+    assert stated(found._replace(calibrated=True)) == f'probability: {odds(found)}'
+    assert stated(found) == f'probability, not calibrated for such logs: {odds(found)}'

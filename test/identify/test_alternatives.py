@@ -18,6 +18,7 @@ def test_another_form_of_an_effect_is_no_other_effect(form, low, high):
     search = Search(Campaign(*as_runs(made)), ('motor_leakage', 'pump_leakage'))
     best = search.refine(search.single('pump_leakage'))
     assert low < best.fit.model.effects['pump_leakage']['exponent'] < high
+    assert 'pump_orifice_leakage' not in search.campaign.candidates()
     assert alternatives(search, best, 'pump_leakage') == ()
 
 

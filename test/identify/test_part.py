@@ -30,6 +30,7 @@ def found(result):
 @pytest.mark.parametrize('kind', NAMES)
 def test_hydromotor_bench_names_the_friction(kind, table):
     result = diagnose(benches.motor_rig(), [benches.motor_bench(kind, seed=3, table=table)])
+    assert not result.probability.calibrated
     if kind == 'coulomb':
         # With one pressure a constant torque deficit may also be one of pressure; a table has no
         # reversal that would tell.

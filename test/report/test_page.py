@@ -8,6 +8,7 @@ import re
 
 from hst_drive import cli
 from hst_drive.bag import write_csv
+from hst_drive.report.found_sections import found_section
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -38,7 +39,7 @@ def made_up_diagnosis(logs=()):
         'calibration': [{'quantity': 'motor.leakage', 'factor': 1.02, 'sigmas': 0.3,
                          'at_limit': False}],
         'rivals': {'pump_leakage': 'leaves hydromotor inlet flow at 2.0 times the noise'},
-        'probability': {'none': 0.001, 'unknown': 0.069, 'effects': {},
+        'probability': {'none': 0.001, 'unknown': 0.069, 'effects': {}, 'calibrated': True,
                         'sets': [{'effects': ['motor_leakage'], 'probability': 0.93}]},
         'not_observable': ['case'], 'not_observable_because': {'case': 'needs a channel'},
         'smallest_visible': {'line_loss': {'value': 1e7, 'unit': 'Pa.s/m^3'}},
@@ -112,8 +113,14 @@ def test_it_says_what_was_found(made):
                      'W. E. Wilson', '0.005400 to 0.006600', 'L/min/bar', 'pump_leakage',
                      'hold 90 bar', 'motor.leakage', '1.0200', default_rig().digest,
                      'It removes 97 %', 'line_loss', 'needs a channel',
-                     'Probability, not calibrated yet: motor_leakage 0.93, unknown 0.07.'):
+                     'Probability: motor_leakage 0.93, unknown 0.07.'):
         assert expected in words, expected
+
+
+def test_a_diagnosis_written_before_does_not_say_that_its_probabilities_held():
+    content = made_up_diagnosis()
+    del content['probability']['calibrated']
+    assert 'not calibrated for such logs: motor_leakage 0.93' in str(found_section(content))
 
 
 def test_the_numbers_are_those_of_compare(made, folder):
