@@ -70,8 +70,7 @@ def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, Candidat
 def likeliest(search: Search, best: Candidate,
               rivals: Mapping[str, Sequence[str]]) -> Candidate:
     """Return the likeliest of ``best`` and the sets with a rival in the place of an effect."""
-    wanted = {names for names in _exchanged(best, rivals)
-              if {*names} - {*best.names} <= {*search.candidates}}
+    wanted = _exchanged(best, rivals)
     if not wanted:
         return best
     sets = [best, *(search.refine(entry) for entry in search.tried() if entry.names in wanted)]

@@ -271,3 +271,18 @@ def test_the_calibration_alone_where_nothing_is_missing(written, tmp_path, capsy
 def test_what_fits_as_well_is_told_when_it_is_adopted(written, tmp_path, capsys):
     _, out, _ = run(capsys, written, '-o', tmp_path / 'rig.yaml')
     assert 'bearing_friction is one of several that fit these logs; so may viscous_drag' in out
+
+
+@pytest.mark.parametrize('rivals, unit, test', [
+    (['viscous_drag'], False, True), (['none'], True, False),
+    (['viscous_drag', 'none'], True, True)])
+def test_the_unit_alone_is_no_effect_that_a_test_could_tell(tmp_path, capsys, rivals, unit, test):
+    content = diagnosis()
+    content['effects'][0]['indistinguishable_from'] = rivals
+    content['effects'][1:] = [{**entry, 'indistinguishable_from': []}
+                              for entry in content['effects'][1:]]
+    path = tmp_path / 'd.json'
+    path.write_text(json.dumps(content))
+    _, out, _ = run(capsys, path, '-o', tmp_path / 'rig.yaml')
+    assert ('the unit alone at the limits of its tolerances' in out) == unit
+    assert ("'hst-drive design' writes a test that tells" in out) == test
