@@ -234,14 +234,15 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
             recorded(rehearse(driver(rig, model), play, seed + len(records) * truth + place),
                      channels) for place, (play, channels) in enumerate(records)])
         search = Search(campaign, [])
-        best = search.try_all([(tuple(model.effects), model)], '')[0]
+        best = search.try_all([(tuple(model.effects), search.base._replace(model=model))], '')[0]
         rivals = []
         for rival in (*models[:truth], *models[truth + 1:]):
             names = tuple(rival.effects)
-            kept = Model({name: values for name, values in best.fit.model.effects.items()
-                          if name in rival.effects}, best.fit.model.factors)
-            found, = search.try_all([(names, rival)], '')
-            if len(names) == len(kept.effects) + 1:
+            kept = best.fit._replace(model=Model(
+                {name: values for name, values in best.fit.model.effects.items()
+                 if name in rival.effects}, best.fit.model.factors))
+            found, = search.try_all([(names, search.base._replace(model=rival))], '')
+            if len(names) == len(kept.model.effects) + 1:
                 found, = search.try_all([(names, kept)], '', again=True)
             rivals.append(found)
         apart.append(_apart(search, best, rivals))

@@ -13,10 +13,8 @@ recordings as well the simpler is the better answer (H. Jeffreys, Theory of Prob
 """
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 import copy
-import os
-from typing import Callable, Container, Iterator, NamedTuple
+from typing import Callable, Container, Iterator, Mapping, NamedTuple
 
 from hst_drive.diagnose.free_forms import (
     as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
@@ -29,6 +27,7 @@ from hst_drive.identify.fit import at_limit, Fit, fit, limited, score
 from hst_drive.identify.judge import SIGNIFICANT
 from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.threads import each
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
@@ -61,7 +60,7 @@ class _Cause(NamedTuple):
 
     campaign: Campaign
     start: Model
-    known: np.ndarray | None
+    known: Mapping[tuple[str, str], np.ndarray]
     told: Callable[[Fit], Trial]
     frees: str = ''
 
@@ -87,9 +86,8 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
     # Beside a unit at its limits that explains all, only what would take it off one.
     causes = [*_misread(search, best), *_mistaken(search)] if best.names or left else [
         cause for cause in _mistaken(search) if cause.frees in strained]
-    with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
-        fits = list(pool.map(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
-                                               iterations=PATIENT), causes))
+    fits = each(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
+                                  iterations=PATIENT), causes)
     near = sorted(zip(causes, fits), key=lambda pair: score(search.campaign, pair[1]))
     for cause, found in near[:_NEAREST]:
         found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
@@ -140,24 +138,24 @@ def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
         if FORMULAS[freer.formula].slot in said:
             continue
         # From the datasheet: a unit calibrated without the cause has strayed to make up for it.
-        yield _Cause(search.campaign, faint(Model(), freer), search.factors,
+        yield _Cause(search.campaign, faint(Model(), freer), search.base.columns,
                      lambda found, freer=freer: Trial(freer.what, found, freer.unknown, freer))
 
 
 def _mistaken(search: Search) -> Iterator[_Cause]:
     """Yield numbers of the datasheet that may be off beyond their tolerances."""
-    for place, (key, tolerance) in enumerate(search.campaign.tolerances.items()):
+    for key, tolerance in search.campaign.tolerances.items():
         if key not in _NUMBERS:
             continue
         campaign = copy.copy(search.campaign)
         campaign.tolerances = {**campaign.tolerances, key: _WIDER * tolerance}
-        known, start = search.factors.copy(), Model()
-        known[:, place] *= _WIDER
+        known, start = search.base.columns, Model()
+        known['', key] = _WIDER * known['', key]
         if campaign.ties:
-            known = None    # what is tied to it changes, too
+            known = {}      # what is tied to it changes, too
         if at_limit(search.campaign, key, search.base.model.factors[key]):
             # It wants to go on from there, and what it does changes on the way.
-            known, start = None, search.base.model
+            known, start = {}, search.base.model
         yield _Cause(campaign, start, known,
                      lambda found, key=key, tolerance=tolerance: _off(
                          search, key, found, abs(found.model.factors[key]) / tolerance),

@@ -8,6 +8,7 @@ from typing import Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
+from hst_drive.identify.alternatives import CREDIBLE
 from hst_drive.identify.evidence import DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
 from hst_drive.identify.judge import IN_SAMPLE
@@ -83,6 +84,20 @@ def likeliest(search: Search, best: Candidate,
         return best
     found = standing(search, first)
     return found if found.names in wanted and not search.unexplained(found) else best
+
+
+def rivals_of(search: Search, first: Candidate, best: Candidate,
+              rivals: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+    """Return the rivals of a set in which a rival took the place of an effect of ``best``."""
+    (new,), (out,) = {*first.names} - {*best.names}, {*best.names} - {*first.names}
+    group = [out if entry == new else entry for entry in rivals[out]]
+    kept = first.fit.without(new)
+    sets = search.try_all([((*kept.model.effects, entry), kept) for entry in group],
+                          'trying rivals')
+    odds = log_odds(search, [first, *sets])[1:]
+    group = [entry for entry, value in zip(group, odds) if value >= -CREDIBLE]
+    return {**{name: tuple(rivals[name]) for name in best.names if name != out},
+            new: tuple(group)}
 
 
 def _plainness(names: Sequence[str]) -> tuple[int, int]:

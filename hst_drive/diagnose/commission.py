@@ -17,9 +17,10 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.errors import InputError
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import conditions
-from hst_drive.identify.fit import calibrated, Fit
+from hst_drive.identify.fit import Fit
 from hst_drive.identify.intervals import clusters, spread
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS

@@ -10,7 +10,7 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.choose import after_tests, likeliest, nearly_certain
+from hst_drive.diagnose.choose import after_tests, likeliest, nearly_certain, rivals_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
@@ -110,8 +110,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     first = best if left or doubt or or_none else likeliest(search, best, rivals)
     if first is not best:
+        rivals = rivals_of(search, first, best, rivals)
         best, order = first, _order(search, first)
-        rivals = {name: alternatives(search, best, name) for name in order}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
@@ -171,14 +171,15 @@ def _order(search: Search, best: Candidate) -> list[str]:
         if len(rest) == 1:
             order += rest
             break
-        trials = search.try_all([((*order, name), _part(best.fit.model, (*order, name)))
+        trials = search.try_all([((*order, name), _part(best.fit, (*order, name)))
                                  for name in rest], 'ordering')
         order.append(rest[min(range(len(rest)), key=lambda k: trials[k].score)])
     return order
 
 
-def _part(model: Model, names: Sequence[str]) -> Model:
-    return Model({name: model.effects[name] for name in names}, model.factors)
+def _part(fitted: Fit, names: Sequence[str]) -> Fit:
+    effects, factors = fitted.model.effects, fitted.model.factors
+    return fitted._replace(model=Model({name: effects[name] for name in names}, factors))
 
 
 def _ladder(search: Search, best: Candidate, order: Sequence[str],
@@ -193,7 +194,7 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
         if count == len(order):
             fitted = best.fit
         else:
-            fitted = search.try_all([(names, _part(best.fit.model, names))], 'ladder')[0].fit
+            fitted = search.try_all([(names, _part(best.fit, names))], 'ladder')[0].fit
         steps.append(step(order[count - 1], fitted))
     return tuple(steps)
 
@@ -260,7 +261,7 @@ def _measure(search: Search, best: Candidate, limited: Sequence[str]) -> NextTes
 def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> NextTest:
     models = [best.fit.model]
     for name, group in rivals.items():
-        others, kept = tuple(entry for entry in best.names if entry != name), best.fit.model
+        others, kept = tuple(entry for entry in best.names if entry != name), best.fit
         models += [entry.fit.model for entry in search.try_all(
             [((*others, rival), kept.without(name)) for rival in group], 'trying rivals')]
     campaign = search.campaign

@@ -3,7 +3,7 @@
 """Trials of what is not listed: formulas fitted in a model, and whether they are better."""
 from __future__ import annotations
 
-from typing import Callable, NamedTuple
+from typing import Callable, Mapping, NamedTuple
 
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
@@ -59,7 +59,7 @@ def faint(model: Model, freer: Freer) -> Model:
 
 
 def fitted_freer(campaign: Campaign, model: Model, freer: Freer,
-                 known: np.ndarray | None = None) -> Trial | None:
+                 known: Mapping[tuple[str, str], np.ndarray] = {}) -> Trial | None:
     """Fit a model with a formula; None if the rig has adopted that already."""
     if freer.formula in campaign.rig.effects:
         return None

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from hst_drive.diagnose.causes import misreadings
 from hst_drive.diagnose.free_forms import faint, PATIENT
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import calibrated, Fit, fit
+from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import parts, unexplained
 
 _FEWEST = 3     # recordings: of two nobody could tell which is odd

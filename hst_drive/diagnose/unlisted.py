@@ -152,7 +152,7 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = fitted_freer(turned, best.fit.model, _BESIDE, known=search.factors)
+    trial = fitted_freer(turned, best.fit.model, _BESIDE, known=search.base.columns)
     if not trial:
         return
     if turned.replays[0].torque not in turned.signals:
@@ -197,7 +197,8 @@ def _answered(search: Search, fitted: Fit, timing: Timing) -> Trial:
     for _ in range(_ROUNDS):
         number = minimize_scalar(_cost_of(campaign, fitted.model, timing), bounds=timing.bounds,
                                  method='bounded', options={'xatol': timing.resolved}).x
-        fitted = fit(with_timing(campaign, timing, number), fitted.model, known=search.factors)
+        fitted = fit(with_timing(campaign, timing, number), fitted.model,
+                     known=search.base.columns)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
                                        (timing.depends_on,), timing.where + what, (), 0.0))

@@ -19,7 +19,7 @@ CREDIBLE = log(1000.0)  # natural logarithm of the odds from which on a rival is
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     """Return the effects that could stand in the place of one of those found, likeliest first."""
-    kept = best.fit.model.without(name)
+    kept = best.fit.without(name)
     others = tuple(entry for entry in best.names if entry != name)
     scores = {entry: search.single(entry).score for entry in search.candidates
               if entry not in best.names}

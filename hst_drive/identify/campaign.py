@@ -280,20 +280,24 @@ class Campaign:
             own.columns = columns(self.replays, own.floors, self._weights)
         return self._judging[key]
 
-    def errors(self, model: Model, *, to_fit: bool = False) -> list[np.ndarray]:
+    def errors(self, model: Model, *, to_fit: bool = False,
+               known: Sequence[np.ndarray] | None = None) -> list[np.ndarray]:
         """
         Return the normalised errors of all samples, column by column (``columns``).
 
-        With ``to_fit`` logs that are only judged on are not replayed; their errors are zero.
+        With ``to_fit`` logs that are only judged on are not replayed; their errors are zero. Such
+        errors may be ``known``: then the other logs alone are replayed.
         """
         drive = self.driver(model)
-        given = [None if to_fit and not (part > 0).any() else replay.predict(drive).signals
-                 for replay, part in zip(self.replays, self._weights)]
+        fitted = [bool((part > 0).any()) for part in self._weights]
+        given = [replay.predict(drive).signals
+                 if (fit or not to_fit) and not (fit and known) else None
+                 for replay, fit in zip(self.replays, fitted)]
         errors = []
-        for column in self.columns:
+        for place, column in enumerate(self.columns):
             measured = self.replays[column.log].run[column.signal]
             if given[column.log] is None:
-                errors.append(np.zeros(len(measured)))
+                errors.append(known[place] if known else np.zeros(len(measured)))
                 continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.

@@ -9,23 +9,22 @@ tens of thousands of samples a prior alone is outvoted, and the factors would ea
 from __future__ import annotations
 
 from itertools import count as count_from
-from typing import Callable, Collection, Iterator, NamedTuple, Sequence
+from types import MappingProxyType
+from typing import Callable, Collection, Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.judge import excess
+from hst_drive.identify.linearised import Linearised
+from hst_drive.identify.threads import each
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 import numpy as np
-from scipy.optimize import lsq_linear
 
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
-_FITS = 0.1     # squared error over the floor's
-_END = 0.8 * SIGMAS     # tolerances: near the end of what a factor may be
-_HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
+_AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 _AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
@@ -43,6 +42,15 @@ class Fit(NamedTuple):
     cost: float
     names: tuple[tuple[str, str], ...]
     jacobian: np.ndarray
+
+    @property
+    def columns(self) -> dict[tuple[str, str], np.ndarray]:
+        """The columns of the Jacobian by (effect, parameter); effect '' for the unit."""
+        return dict(zip(self.names, self.jacobian.T))
+
+    def without(self, name: str) -> Fit:
+        """Return what to start from without an effect."""
+        return self._replace(model=self.model.without(name))
 
 
 def score(campaign: Campaign, fitted: Fit) -> float:
@@ -75,23 +83,32 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
                 errors: Sequence[np.ndarray], which: Sequence[int],
                 errors_at: ErrorsAt) -> np.ndarray:
     """Return columns of the Jacobian of the weighted errors, by forward differences."""
-    base = campaign.training(errors)
-    columns = np.empty((len(base), len(which)))
-    for place, k in enumerate(which):
-        step = _NUDGE if k < unknowns.factors else _NUDGE_EFFECT * max(abs(vector[k]), 0.3)
-        if vector[k] + step > unknowns.high[k]:
-            step = -step
+    base, steps = campaign.training(errors), _nudges(unknowns, vector)
+
+    def column(k: int) -> np.ndarray:
+        step = -steps[k] if vector[k] + steps[k] > unknowns.high[k] else steps[k]
         moved = vector.copy()
         moved[k] += step
-        columns[:, place] = (campaign.training(errors_at(moved)) - base) / step
-    return columns
+        return (campaign.training(errors_at(moved)) - base) / step
+
+    return np.array([*each(column, which)]).reshape(-1, len(base)).T
 
 
-def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndarray | None = None,
+def _nudges(unknowns: Unknowns, vector: np.ndarray) -> np.ndarray:
+    return np.where(np.arange(len(vector)) < unknowns.factors, _NUDGE,
+                    _NUDGE_EFFECT * np.maximum(np.abs(vector), 0.3))
+
+
+def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
+        known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({}),
         refresh: bool = False, trimmed: bool = False, kept: Collection[tuple[str, str]] = (),
         progress: Callable[[str], None] = lambda text: None) -> Fit:
     """
     Fit the unit's factors and the parameters of the effects that are on.
+
+    The Jacobian is formed once. Each step corrects it by what the errors did (C. Broyden, A class
+    of methods for solving nonlinear simultaneous equations, Mathematics of Computation 19, 1965);
+    where that was not what the Jacobian had said, what is not ``known`` is formed anew.
 
     Parameters
     ----------
@@ -101,8 +118,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         Where to start.
     iterations : int
         Most Gauss-Newton steps.
-    known : ndarray, shape (samples, factors), optional
-        Jacobian of the factors from a nearby model; saves most of the work.
+    known : mapping of (str, str) to ndarray, optional
+        Columns of the Jacobian from a nearby model (``Fit.columns``); saves most of the work.
     refresh : bool
         Form the whole Jacobian anew at the end, for intervals.
     trimmed : bool
@@ -121,41 +138,60 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4, known: np.ndar
         progress(f'fitting: {next(replays)} replays')
         return campaign.errors(unknowns.unpack(vector), to_fit=True)
 
+    def linearised() -> Linearised:
+        used = campaign.without_events(residual) if trimmed else slice(None)
+        return Linearised(residual[used], jacobian[used], vector, unknowns.factors)
+
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
     errors = errors_at(vector)
+    residual = campaign.training(errors)
     cost = cost_of(campaign, unknowns, vector, errors, trimmed)
-    count = len(vector)
-    free = list(range(unknowns.factors, count))
-    jacobian = np.empty((len(campaign.training(errors)), count))
-    if known is not None:
-        jacobian[:, :unknowns.factors] = known
-    damping = 1e-6
-    for place in range(iterations if count else 0):
-        which = free if known is not None else list(range(count))
-        jacobian[:, which] = differences(campaign, unknowns, vector, errors, which,
-                                         errors_at)
-        step_taken = False
-        for trial, damping in _trials(campaign, unknowns, vector, errors, jacobian, damping,
-                                      trimmed, refresh):
+    everything = list(range(len(vector)))
+    own = [k for k in everything if unknowns.names[k] not in known]
+    jacobian = np.empty((len(vector), len(residual))).T
+    for k in {*everything} - {*own}:
+        jacobian[:, k] = known[unknowns.names[k]]
+    # Whether what is not known was formed, nearby or here, and where all was.
+    formed, here, whole, damping = not own, False, None, 1e-6
+    own = own or everything
+    linear = linearised() if formed else None
+    for place in range(iterations if everything else 0):
+        if not formed:
+            jacobian[:, own] = differences(campaign, unknowns, vector, errors, own, errors_at)
+            formed = here = True
+            whole = vector if own == everything else None
+            linear = linearised()
+        reached = None
+        for trial, damping in _trials(linear, unknowns, vector, damping, refresh):
             trial_errors = errors_at(trial)
             trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)
             if trial_cost < cost:
-                gain = cost - trial_cost
-                vector, errors, cost = trial, trial_errors, trial_cost
-                damping = max(damping / 10, 1e-9)
-                step_taken = True
+                reached, damping = trial, max(damping / 10, 1e-9)
                 break
+        if reached is None:
+            if here:
+                break
+            formed = False
+            continue
+        gain, move = cost - trial_cost, reached - vector
+        formed, here = gain >= _AS_SAID * (linear.cost - linear.after(move)), False
+        surprise = campaign.training(trial_errors) - residual - jacobian @ move
+        jacobian += np.outer(move / (move @ move), surprise).T
+        vector, errors, cost = reached, trial_errors, trial_cost
+        residual = campaign.training(errors)
         # A first step along a bend gains little; where time is taken the next one may gain more.
-        if not step_taken or gain < 1e-3 * cost + 0.5 and (place or not refresh):
+        if gain < 1e-3 * cost + 0.5 and (place or not refresh):
             break
-        if _promise(campaign, unknowns, vector, errors, jacobian) < 1e-3 * cost + 0.5:
+        linear = linearised()
+        if linear.cost - linear.after(_step(linear, unknowns, vector, 1e-6)) < 1e-3 * cost + 0.5:
             break
-    if refresh:
-        jacobian = differences(campaign, unknowns, vector, errors, range(count), errors_at)
+    if refresh and (whole is None
+                    or (np.abs(vector - whole) > _nudges(unknowns, vector)).any()):
+        jacobian = differences(campaign, unknowns, vector, errors, everything, errors_at)
     if trimmed:
         cost = cost_of(campaign, unknowns, vector, errors)      # to be compared with others
     model = unknowns.unpack(vector)
-    return Fit(model, campaign.errors(model), cost, unknowns.names, jacobian)
+    return Fit(model, campaign.errors(model, known=errors), cost, unknowns.names, jacobian)
 
 
 def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
@@ -167,71 +203,7 @@ def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
     return own, fit(own, fitted.model, kept=kept, refresh=True)
 
 
-def calibrated(campaign: Campaign) -> Fit:
-    """
-    Return the fit of the unit's factors alone.
-
-    Where the model stalls and the machine does not, or the other way round, a few seconds may
-    keep all else from being fitted: if all else then fits down to the noise, they are left to
-    the effects. What comes back is no event, but physics that shows only there.
-    """
-    plain = fit(campaign, Model(), iterations=5, refresh=True)
-    if _fits(campaign, plain):
-        return plain
-    plain = _deepest(campaign, plain)
-    trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
-    return trimmed if _fits(campaign, trimmed) and _is_one_event(campaign, trimmed) else plain
-
-
-def _fits(campaign: Campaign, fitted: Fit) -> bool:
-    return excess(campaign.ratios(fitted.errors, False)) < _FITS
-
-
-def _deepest(campaign: Campaign, plain: Fit) -> Fit:
-    """
-    Return the fit of the unit in the deepest valley.
-
-    The drive rings, and a fit may end a period of the ringing off. Then the model is better, if
-    all else stays, where one factor has the other end of its tolerance: from there it goes on.
-    """
-    unknowns = Unknowns(campaign, plain.model)
-    vector = unknowns.pack(plain.model)
-    if not len(vector):
-        return plain
-
-    def at(place: int, end: float) -> tuple[float, Model]:
-        moved = vector.copy()
-        moved[place] = _END * end
-        model = unknowns.unpack(moved)
-        return cost_of(campaign, unknowns, moved, campaign.errors(model, to_fit=True)), model
-
-    cost, start = min((at(place, end) for place in range(len(vector)) for end in (-1.0, 1.0)),
-                      key=lambda item: item[0])
-    if cost >= plain.cost:
-        return plain
-    return min(plain, fit(campaign, start, iterations=5, refresh=True),
-               key=lambda item: item.cost)
-
-
-def _is_one_event(campaign: Campaign, fitted: Fit) -> bool:
-    """Tell whether the blocks that the fit leaves far off lie side by side."""
-    worst = np.nanmax(list(campaign.blocks(fitted.errors, False).values()), axis=0)
-    hot = np.flatnonzero(worst > _HOT)
-    return len(hot) == 0 or int(hot[-1] - hot[0]) < _LONGEST
-
-
-def _promise(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-             errors: Sequence[np.ndarray], jacobian: np.ndarray) -> float:
-    """Return by how much one more step would lower the cost if the problem were linear."""
-    move = _step(campaign, unknowns, vector, errors, jacobian, 1e-6) - vector
-    residual = campaign.training(errors)
-    prior = vector[:unknowns.factors]
-    after, prior_after = residual + jacobian @ move, prior + move[:unknowns.factors]
-    return float(residual @ residual + prior @ prior - after @ after - prior_after @ prior_after)
-
-
-def _trials(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-            errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float, trimmed: bool,
+def _trials(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: float,
             patient: bool) -> Iterator[tuple[np.ndarray, float]]:
     """
     Yield vectors to try until one lowers the cost, and the damping that they came from.
@@ -240,18 +212,15 @@ def _trials(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
     drive's ringing by a part of its period bars the way for all else. ``patient``: then also one
     parameter after the other, over the ripples that such shifts leave in the cost.
     """
-    def step(by: float, moved: slice = slice(None)) -> tuple[np.ndarray, float]:
-        return _step(campaign, unknowns, vector, errors, jacobian, by, trimmed, moved), by
-
     for _ in range(_TRIES):
-        yield step(damping)
+        yield vector + _step(linear, unknowns, vector, damping), damping
         damping = max(damping * 100, 1e-3)
     count = len(vector)
     if not 0 < unknowns.factors < count:
         return
     for moved in (slice(unknowns.factors), slice(unknowns.factors, count)):
         for damping in (1e-6, 1e-3):
-            yield step(damping, moved)
+            yield vector + _step(linear, unknowns, vector, damping, moved), damping
     for k in range(unknowns.factors, count if patient else 0):
         for share in _MOVES:
             trial = vector.copy()
@@ -260,28 +229,11 @@ def _trials(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
                 yield trial, 1e-3
 
 
-def _step(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-          errors: Sequence[np.ndarray], jacobian: np.ndarray, damping: float,
-          trimmed: bool = False, moved: slice = slice(None)) -> np.ndarray:
-    """Solve the linearised problem within the bounds for the unknowns that are moved."""
-    residual = campaign.training(errors)
-    if trimmed:
-        used = campaign.without_events(residual)
-        residual, jacobian = residual[used], jacobian[used]
-    normal = jacobian.T @ jacobian
-    gradient = jacobian.T @ residual
-    prior = np.zeros(len(vector))
-    prior[:unknowns.factors] = 1.0
-    gradient = gradient + prior * vector
-    normal = normal + np.diag(prior)
-    normal = normal + np.diag(damping * np.diag(normal) + 1e-9)
-    factor = np.linalg.cholesky(normal[moved, moved])
-    target = np.linalg.solve(factor, -gradient[moved])
-    solution = lsq_linear(factor.T, target, ((unknowns.low - vector - 1e-12)[moved],
-                                             (unknowns.high - vector + 1e-12)[moved]))
-    trial = vector.copy()
-    trial[moved] += solution.x
-    return np.clip(trial, unknowns.low, unknowns.high)
+def _step(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: float,
+          moved: slice = slice(None)) -> np.ndarray:
+    """Return a step within the bounds."""
+    move = linear.step(unknowns.low - vector, unknowns.high - vector, damping, moved)
+    return np.clip(vector + move, unknowns.low, unknowns.high) - vector
 
 
 def at_limit(campaign: Campaign, key: str, value: float) -> bool:

@@ -12,10 +12,11 @@ from __future__ import annotations
 from typing import Iterator, TYPE_CHECKING
 
 from hst_drive.effects import catalogue
+from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.shapes import shapes_of
+from hst_drive.identify.threads import each
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
-from scipy.optimize import lsq_linear
 
 if TYPE_CHECKING:
     from hst_drive.identify.search import Candidate, Search
@@ -25,35 +26,30 @@ def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, st
     """Yield what share of the squared error each effect may take away, and its name."""
     campaign, own = search.campaign, candidate.fit
     unknowns = Unknowns(campaign, own.model, shapes_of(candidate.names))
-    columns_of = dict(zip(own.names, own.jacobian.T))
+    columns = own.columns
     vector = unknowns.pack(own.model)
-    prior = np.where(np.arange(len(vector)) < unknowns.factors, 1.0, 0.0)
     without = campaign.training(own.errors)
-    left = np.append(without, prior * vector)
-    known = np.vstack([np.column_stack([columns_of[key] for key in unknowns.names]),
-                       np.diag(prior)])
-    low = np.minimum(unknowns.low - vector, 0.0)
-    high = np.maximum(unknowns.high - vector, 0.0)
+    jacobian = np.column_stack([columns[key] for key in unknowns.names])
+    known = Linearised(without, jacobian, vector, unknowns.factors)
+    low = np.append(np.minimum(unknowns.low - vector, 0.0), 0.0)
+    high = np.append(np.maximum(unknowns.high - vector, 0.0), np.inf)
     start = campaign.training(search.base.errors)
 
     def least(move: np.ndarray, lowest: float) -> float:
-        columns = np.column_stack([known, np.append(move, np.zeros(len(vector)))])
-        normal = columns.T @ columns
-        scale = 1.0 / np.sqrt(np.diag(normal) + 1e-30)
-        factor = np.linalg.cholesky(normal * np.outer(scale, scale) + 1e-9 * np.eye(len(normal)))
-        target = np.linalg.solve(factor, -scale * (columns.T @ left))
-        found = lsq_linear(factor.T, target, (
-            np.append(low, lowest) / scale - 1e-12, np.append(high, np.inf) / scale + 1e-12))
-        return float(np.sum((left + columns @ (scale * found.x))**2))
+        low[-1] = lowest
+        both = known.beside(jacobian, without, move)
+        return both.after(both.step(low, high))
 
     total = float(without @ without)
     alone = least(np.zeros_like(without), 0.0)
-    for name in search.candidates:
-        if name in candidate.names:
-            continue
+
+    def typical(name: str) -> np.ndarray:
+        model = own.model.with_effect(name, campaign.typical(name))
+        return campaign.training(campaign.errors(model, to_fit=True)) - without
+
+    names = [name for name in search.candidates if name not in candidate.names]
+    for name, move in zip(names, each(typical, names)):
         size = catalogue(everything=True)[name].parameters[0]
         lowest = -np.inf if size.low < campaign.off(name)[size.name] else 0.0
-        typical = own.model.with_effect(name, campaign.typical(name))
-        moves = (campaign.training(search.single(name).fit.errors) - start,
-                 campaign.training(campaign.errors(typical, to_fit=True)) - without)
-        yield max(alone - least(move, lowest) for move in moves) / total, name
+        alone_move = campaign.training(search.single(name).fit.errors) - start
+        yield max(alone - least(entry, lowest) for entry in (alone_move, move)) / total, name

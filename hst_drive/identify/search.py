@@ -8,13 +8,12 @@ of an effect that was found is tried afterwards (``decide``) and told as its riv
 """
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-import os
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.fit import at_its_end, calibrated, Fit, fit, score
+from hst_drive.identify.fit import at_its_end, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, parts, PRACTICAL, SIGNIFICANT, unexplained,
     unharmed, worthwhile, worthwhile_in_part)
@@ -22,6 +21,7 @@ from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of
 from hst_drive.identify.starts import starts
+from hst_drive.identify.threads import each
 import numpy as np
 
 MOST_EFFECTS = 3
@@ -78,37 +78,42 @@ class Search:
         """Return the held-out squared error plus what the priors ask; lower is better."""
         return score(self.campaign, fitted)
 
-    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Model]], what: str,
+    def try_all(self, sets: Sequence[tuple[tuple[str, ...], Fit]], what: str,
                 again: bool = False) -> list[Candidate]:
-        """Fit sets of effects on all cores; known ones not, or if ``again`` the better counts."""
+        """
+        Fit sets of effects on all cores, each from a fit's model and Jacobian.
+
+        Known sets not, or if ``again`` the better counts.
+        """
         todo = [(tuple(sorted(names)), start) for names, start in sets
                 if again or tuple(sorted(names)) not in self._known]
         # The long ones first, so that no core waits for them at the end.
         todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
                                         for name in task[0]))
-        with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
-            for done, found in enumerate(pool.map(self._fit, todo)):
-                self._known[found.names] = min(
-                    found, self._known.get(found.names, found), key=lambda item: item.score)
-                self.progress(f'{what}: {done + 1} of {len(todo)}')
+        for done, found in enumerate(each(self._fit, todo)):
+            self._known[found.names] = min(
+                found, self._known.get(found.names, found), key=lambda item: item.score)
+            self.progress(f'{what}: {done + 1} of {len(todo)}')
         return [self._known[tuple(sorted(names))] for names, _ in sets]
 
-    def _fit(self, task: tuple[tuple[str, ...], Model]) -> Candidate:
+    def _fit(self, task: tuple[tuple[str, ...], Fit]) -> Candidate:
         names, start = task
+        known = start.columns
         # Sizes first: a shape that is free from the start may end far from what it could be.
         shapes = shapes_of(names)
-        found = [fit(self.campaign, model, known=self.factors, kept=shapes)
-                 for model in self._starts(names, start)]
+        found = [fit(self.campaign, model, known=known, kept=shapes)
+                 for model in self._starts(names, start.model)]
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.
-            best = min((fit(self.campaign, item.model, iterations=3, kept=shapes)
+            best = min((fit(self.campaign, item.model, iterations=3, known=item.columns,
+                            kept=shapes)
                         for item in found if item.cost < _NEAR * best.cost),
                        key=lambda item: item.cost)
         sized = self.candidate(names, best)
         if not shapes:
             return sized
-        free = self.candidate(names, fit(self.campaign, best.model, known=self.factors))
+        free = self.candidate(names, fit(self.campaign, best.model, known=best.columns))
         return min(sized, free, key=lambda item: item.score)
 
     def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
@@ -212,9 +217,12 @@ class Search:
         return usual
 
     def _patient(self, candidate: Candidate) -> Candidate:
+        known: dict[tuple[str, str], np.ndarray] = {}
         for _ in range(_ROUNDS):
             before = candidate.fit.cost
-            found = fit(self.campaign, candidate.fit.model, iterations=3, refresh=True)
+            found = fit(self.campaign, candidate.fit.model, iterations=3, known=known,
+                        refresh=True)
+            known = found.columns
             candidate = self.candidate(candidate.names, found)
             if found.cost > 0.98 * before:
                 break
@@ -226,12 +234,11 @@ class Search:
 
     def single(self, name: str) -> Candidate:
         """Return the fit with one effect alone."""
-        return self.try_all([((name,), self.base.model)], 'fitting effects')[0]
+        return self.try_all([((name,), self.base)], 'fitting effects')[0]
 
     def singles(self) -> list[Candidate]:
         """Return every effect alone, the best first."""
-        start = self.base.model
-        found = self.try_all([((name,), start) for name in self.candidates], 'fitting effects')
+        found = self.try_all([((name,), self.base) for name in self.candidates], 'fitting effects')
         return sorted(found, key=lambda item: item.score)
 
     def extend(self, candidate: Candidate, least: float = 0.0) -> list[Candidate]:
@@ -242,7 +249,7 @@ class Search:
         of its square that such a move must take away.
         """
         likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
-        found = self.try_all([((*candidate.names, name), candidate.fit.model)
+        found = self.try_all([((*candidate.names, name), candidate.fit)
                               for hope, name in likely if hope >= least],
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
@@ -258,7 +265,8 @@ class Search:
         while beam:
             # Which of two that are near each other is the better one their own Jacobians tell.
             top = min((self.refine(entry) for entry in beam
-                       if entry.score <= _NEARLY * beam[0].score), key=lambda item: item.score)
+                       if entry.score <= _NEARLY * min(beam[0].score, best.score)),
+                      default=beam[0], key=lambda item: item.score)
             if top.score >= best.score or not asked(best, top):
                 top = self._together(best, beam)
                 if top is None:
@@ -291,7 +299,7 @@ class Search:
     def exchange(self, best: Candidate) -> Candidate:
         """Put others in the place of effects that were chosen when the rest was not there."""
         for out in best.names if len(best.names) > 1 else ():
-            kept, others = best.fit.model.without(out), {*best.names} - {out}
+            kept, others = best.fit.without(out), {*best.names} - {out}
             fewer = self.try_all([((*others,), kept)], 'taking effects out')[0]
             likely = [name for _, name in sorted(score_test(self, fewer), reverse=True)
                       if name != out][:_EXCHANGED]
@@ -307,7 +315,7 @@ class Search:
         while len(best.names) > 1:
             # Anew, since what goes may only have shown the way to a deeper valley.
             fewer = self.try_all(
-                [(tuple(name for name in best.names if name != out), best.fit.model.without(out))
+                [(tuple(name for name in best.names if name != out), best.fit.without(out))
                  for out in best.names], 'taking effects out', again=True)
             fewer.sort(key=lambda item: item.score)
             without = self.refine(fewer[0])

@@ -26,7 +26,6 @@ def shapes_of(names: Sequence[str]) -> set[tuple[str, str]]:
 def settled(search: Search, best: Candidate) -> Candidate:
     """Give shapes their usual values where the data do not ask for others."""
     kept: set[tuple[str, str]] = set()
-    factors = best.fit.jacobian[:, :len(search.campaign.tolerances)]
     open_ = shapes_of(best.names) & {*best.fit.names}
     while open_:
         # One shape may stand for another: first the one that loses least by it.
@@ -34,7 +33,8 @@ def settled(search: Search, best: Candidate) -> Candidate:
         for name, key in sorted(open_):
             for value in catalogue(everything=True)[name].parameter(key).usual:
                 usual = model.with_effect(name, {**model.effects[name], key: value})
-                found = fit(search.campaign, usual, known=factors, kept={*kept, (name, key)})
+                found = fit(search.campaign, usual, known=best.fit.columns,
+                            kept={*kept, (name, key)})
                 trials.append((search.candidate(best.names, found), (name, key)))
         nearest, shape = min(trials, key=lambda item: item[0].score)
         if nearest.score >= best.score:

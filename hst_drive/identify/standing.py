@@ -62,9 +62,9 @@ def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
     return search.refine(search.try_all([(kept, start)], 'taking effects out')[0])
 
 
-def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Model]:
+def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Fit]:
     kept = {name: best.fit.model.effects[name] for name in best.names if name not in out}
-    return tuple(kept), Model(kept, best.fit.model.factors)
+    return tuple(kept), best.fit._replace(model=Model(kept, best.fit.model.factors))
 
 
 def _sigmas(campaign: Campaign, model: Model, known: Spread, name: str) -> float:

@@ -87,9 +87,10 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
     def left(model: Model) -> float:
         return max(load.ratios(load.errors(model, to_fit=True), False).values())
 
-    without = left(base)
-    near = sorted((Model(model.effects) for model in models), key=left)[:_NEAR]
-    return [fit(load, model, iterations=_STEPS).model for model in near if left(model) < without]
+    bare = [Model(model.effects) for model in models]
+    off = [left(model) for model in bare]
+    return [fit(load, bare[place], iterations=_STEPS).model for place in np.argsort(off)[:_NEAR]
+            if off[place] < left(base)]
 
 
 def _promise(campaign: Campaign, factors: np.ndarray, model: Model) -> float:

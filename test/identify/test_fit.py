@@ -38,7 +38,7 @@ class Linear:
     def parameter(self, name, key):
         return catalogue()[name].parameter(key)
 
-    def errors(self, model, *, to_fit=False):
+    def errors(self, model, *, to_fit=False, known=None):
         unknowns = [model.factors.get(key, 0.0) / value for key, value in TOLERANCES.items()]
         unknowns += [values[KEY] / TYPICAL for values in model.effects.values()]
         return [self.matrix[:, :len(unknowns)] @ np.array(unknowns) - self.values]

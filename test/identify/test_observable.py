@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Why logs cannot show an effect: what they do, or a channel that they lack."""
-from hst_drive.identify.fit import calibrated
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
 from hst_drive.rig import default_rig
