@@ -106,9 +106,10 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     """
     Fit the unit's factors and the parameters of the effects that are on.
 
-    The Jacobian is formed once. Each step corrects it by what the errors did (C. Broyden, A class
-    of methods for solving nonlinear simultaneous equations, Mathematics of Computation 19, 1965);
-    where that was not what the Jacobian had said, what is not ``known`` is formed anew.
+    Where much of the Jacobian is ``known``, the rest is formed once, and each step corrects it by
+    what the errors did (C. Broyden, A class of methods for solving nonlinear simultaneous
+    equations, Mathematics of Computation 19, 1965); where that was not what it had said, the rest
+    is formed anew. Else all of it is, in each step.
 
     Parameters
     ----------
@@ -174,7 +175,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
             formed = False
             continue
         gain, move = cost - trial_cost, reached - vector
-        formed, here = gain >= _AS_SAID * (linear.cost - linear.after(move)), False
+        as_said = gain >= _AS_SAID * (linear.cost - linear.after(move))
+        formed, here = bool(known) and as_said, False
         surprise = campaign.training(trial_errors) - residual - jacobian @ move
         jacobian += np.outer(move / (move @ move), surprise).T
         vector, errors, cost = reached, trial_errors, trial_cost

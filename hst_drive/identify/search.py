@@ -71,6 +71,7 @@ class Search:
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
+        self._refined: dict[tuple[str, ...], Candidate] = {}
         #: What is not listed and was fitted, each with the campaign that it was fitted in.
         self.unlisted: list[tuple[Campaign, Fit]] = []
 
@@ -208,12 +209,14 @@ class Search:
 
     def refine(self, candidate: Candidate) -> Candidate:
         """Fit a candidate with a Jacobian of its own; go on while that explains more."""
-        self.campaign = in_step(self.campaign, candidate.fit.model)
+        before, self.campaign = self.campaign, in_step(self.campaign, candidate.fit.model)
+        if self._refined.get(candidate.names) is candidate and self.campaign is before:
+            return candidate
         refined = self._patient(candidate)
         usual = settled(self, refined)
         if usual.score < _NEW_VALLEY * refined.score:
             usual = min(usual, settled(self, self._patient(usual)), key=lambda item: item.score)
-        self._known[candidate.names] = usual
+        self._known[candidate.names] = self._refined[candidate.names] = usual
         return usual
 
     def _patient(self, candidate: Candidate) -> Candidate:
@@ -255,7 +258,9 @@ class Search:
         return sorted(found, key=lambda item: item.score)
 
     def _extend_all(self, beam: Sequence[Candidate]) -> list[Candidate]:
-        return sorted((entry for candidate in beam for entry in self.extend(candidate)),
+        # What stands at an end of its range leads on only where nothing else does.
+        standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
+        return sorted((entry for candidate in standing for entry in self.extend(candidate)),
                       key=lambda item: item.score)
 
     def run(self) -> Candidate:
@@ -264,9 +269,10 @@ class Search:
         asked = self.worthwhile if self.unexplained(best) else self.agreed
         while beam:
             # Which of two that are near each other is the better one their own Jacobians tell.
-            top = min((self.refine(entry) for entry in beam
-                       if entry.score <= _NEARLY * min(beam[0].score, best.score)),
-                      default=beam[0], key=lambda item: item.score)
+            near = _NEARLY * min(beam[0].score, best.score)
+            beam = sorted((self.refine(entry) if entry.score <= near else entry
+                           for entry in beam), key=lambda item: item.score)
+            top = beam[0]
             if top.score >= best.score or not asked(best, top):
                 top = self._together(best, beam)
                 if top is None:
