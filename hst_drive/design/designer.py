@@ -3,8 +3,6 @@
 """The search for the test that sets rivals apart: rehearsed, improved, verified."""
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-import os
 from typing import Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.design.families import FAMILIES
@@ -12,6 +10,7 @@ from hst_drive.design.separation import CLEAR, driver, Record, Rehearsal, verify
 from hst_drive.design.trials import (
     ease, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.identify.campaign import Model
+from hst_drive.identify.threads import each
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.model import usual_sensors
@@ -108,10 +107,9 @@ class Designer:
     def rate(self, trials: Sequence[Trial]) -> list[Rated]:
         """Rate trials, the best first."""
         todo = [trial for trial in dict.fromkeys(trials) if trial not in self._known]
-        with ThreadPoolExecutor(max(os.cpu_count() or 1, 1)) as pool:
-            for rated in pool.map(self._rate, todo):
-                self._known[rated.trial] = rated
-                self.progress(f'rehearsing tests: {len(self._known)}')
+        for rated in each(self._rate, todo):
+            self._known[rated.trial] = rated
+            self.progress(f'rehearsing tests: {len(self._known)}')
         return sorted((self._known[trial] for trial in dict.fromkeys(trials)),
                       key=lambda entry: -entry.worth)
 

@@ -8,6 +8,7 @@ from typing import Mapping, Sequence
 from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import fit
+from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.orders import strongest_orders
 import numpy as np
 
@@ -96,6 +97,5 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
 def _promise(campaign: Campaign, factors: np.ndarray, model: Model) -> float:
     """Return the squared error left once the unit's factors are free to help (linearised)."""
     residual = campaign.training(campaign.errors(model, to_fit=True))
-    normal = factors.T @ factors + np.eye(factors.shape[1])
-    side = factors.T @ residual
-    return float(residual @ residual - side @ np.linalg.solve(normal, side))
+    linear = Linearised(residual, factors, np.zeros(factors.shape[1]), factors.shape[1])
+    return linear.after(-np.linalg.solve(linear.normal, linear.gradient))
