@@ -101,7 +101,11 @@ def rivals_of(search: Search, first: Candidate, best: Candidate,
 
 
 def _plainness(names: Sequence[str]) -> tuple[int, int]:
-    """Return how many effects need a drive that turns both ways to show, and all parameters."""
+    """
+    Return how many effects are special, and all parameters.
+
+    They need a drive that turns both ways to show, or are one form of another effect.
+    """
     effects = [catalogue()[name] for name in names]
-    return (sum(effect.both_ways for effect in effects),
+    return (sum(effect.both_ways or bool(effect.form_of) for effect in effects),
             sum(len(effect.parameters) for effect in effects))

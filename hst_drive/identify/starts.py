@@ -3,7 +3,7 @@
 """Where the fit of an effect starts: the error may have several valleys."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+from typing import Iterator, Mapping, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
@@ -15,6 +15,8 @@ import numpy as np
 _ALIKE = 1e-3   # of the cost: two starts that differ by less lead to the same place
 _MANY, _NEAR, _STEPS = 10, 4, 8     # starts; of more the nearest are fitted to the load first
 _FEW = 3        # starts that an effect declares which are tried beside others, too
+_LESS = 0.3     # of its typical size, where it is tried, too
+_SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
 
 def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
@@ -22,8 +24,9 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     """
     Return models to fit from, those that promise most.
 
-    Typical size and a third of it, of either sign, what the effect is alone, and where its
-    declaration says, or the order of the swings that are left.
+    Typical size and a third of it, what the effect is alone, and where its declaration says, or
+    the order of the swings that are left. Where it is not fitted yet, it starts with the size that
+    takes most away if it does as much more as it is larger.
 
     Parameters
     ----------
@@ -41,36 +44,53 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     """
     effect, values = catalogue(everything=True)[name], campaign.typical(name)
     size = effect.parameters[0].name
-    trials = []
-    for share in (1.0, 0.3, -0.3):
-        now = campaign.off(name)[size]
-        start = now + share * (values[size] - now)
-        if share < 0 and start < effect.parameters[0].low:
-            continue
-        trials.append(base.with_effect(name, {**values, size: start}))
+    off = campaign.off(name)[size]
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [base.with_effect(name, {**values, effect.order: float(entry)})
-                for entry in found] or trials[:1]
+                for entry in found] or [base.with_effect(name, values)]
+    shapes = [{**values, size: off + share * (values[size] - off)} for share in (1.0, _LESS)]
     further = effect.starts if alone is None or len(effect.starts) <= _FEW else ()
     # In logs of a part what a whole drive alone can tell stays as it is.
-    declared = [base.with_effect(name, {**values, **entry}) for entry in further
-                if 'parts' not in campaign.searched
+    declared = [{**values, **entry} for entry in further if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
+    fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
     if len(declared) > _MANY:
-        declared = _near(campaign, base, declared)
-    trials += declared
-    if alone is not None:
-        trials.append(base.with_effect(name, dict(alone)))
+        fitted += _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
+    else:
+        shapes += declared
     kept: dict[int, tuple[float, Model]] = {}
-    for model in trials:
-        promise = _promise(campaign, factors, model)
+    for promise, model in _promising(campaign, factors, base, name, [
+            base.with_effect(name, entry) for entry in shapes], fitted):
         # What is as good as one that comes before is not told from it by noise.
-        kept.setdefault(round(np.log(promise) / _ALIKE), (promise, model))
+        kept.setdefault(round(np.log(max(promise, 1.0)) / _ALIKE), (promise, model))
+    first = next(iter(kept.values()))[1]
     best = sorted(kept.values(), key=lambda entry: entry[0])
     chosen = [model for _, model in best[:2 if further else 1]]
     # Where the error has several valleys a start does not tell how deep its own is.
-    return chosen if not further or trials[0] in chosen else [*chosen, trials[0]]
+    return chosen if not further or first in chosen else [*chosen, first]
+
+
+def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
+               free: Sequence[Model], fitted: Sequence[Model]) -> Iterator[tuple[float, Model]]:
+    """
+    Yield what squared error models may leave (linearised), and where their fits then start.
+
+    The unit's factors are free to help, and so is the effect's size where it is not fitted yet.
+    """
+    size = campaign.parameter(name, catalogue(everything=True)[name].parameters[0].name)
+    off, wide = campaign.off(name)[size.name], np.full(factors.shape[1], np.inf)
+    residual = campaign.training(campaign.errors(base, to_fit=True))
+    known = Linearised(residual, factors, np.zeros(len(wide)), len(wide))
+    for place, model in enumerate((*free, *fitted)):
+        move = campaign.training(campaign.errors(model, to_fit=True)) - residual
+        both, far = known.beside(factors, residual, move), model.effects[name][size.name] - off
+        low, high = sorted((end - off) / far for end in (size.low, size.high)) if (
+            far and place < len(free)) else (1.0, 1.0)
+        step = both.step(np.append(-wide, low), np.append(wide, high))
+        share = np.copysign(np.clip(abs(step[-1]), *_SHARES), step[-1])
+        yield both.after(step), model.with_effect(name, {
+            **model.effects[name], size.name: float(off + np.clip(share, low, high) * far)})
 
 
 def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Model]:
@@ -92,10 +112,3 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
     off = [left(model) for model in bare]
     return [fit(load, bare[place], iterations=_STEPS).model for place in np.argsort(off)[:_NEAR]
             if off[place] < left(base)]
-
-
-def _promise(campaign: Campaign, factors: np.ndarray, model: Model) -> float:
-    """Return the squared error left once the unit's factors are free to help (linearised)."""
-    residual = campaign.training(campaign.errors(model, to_fit=True))
-    linear = Linearised(residual, factors, np.zeros(factors.shape[1]), factors.shape[1])
-    return linear.after(-np.linalg.solve(linear.normal, linear.gradient))

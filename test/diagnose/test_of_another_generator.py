@@ -12,9 +12,7 @@ import pytest
 
 @pytest.mark.needs_numba
 @pytest.mark.parametrize('index, name', [
-    (40, 'motor_orifice_leakage'), (35, 'suction_starvation'),
-    pytest.param(56, 'accumulator', marks=pytest.mark.xfail(
-        strict=True, reason='found once; told as unknown at the actuator now'))])
+    (40, 'motor_orifice_leakage'), (35, 'suction_starvation'), (56, 'accumulator')])
 def test_it_is_named(tmp_path, index, name):
     truth = make(5000, index, tmp_path, 'single')
     assert truth['effects'] == [name]
