@@ -25,7 +25,6 @@ from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
 from hst_drive.identify.observable import visibility
-from hst_drive.identify.pairs import pair_instead
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
@@ -77,7 +76,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    tested = standing(search, pair_instead(search, search.run()))
+    tested = standing(search, search.run())
     best, beside_unit = nearly_certain(search, tested)
     certain = best
     left = search.unexplained(best)
