@@ -238,9 +238,7 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
         rivals = []
         for rival in (*models[:truth], *models[truth + 1:]):
             names = tuple(rival.effects)
-            kept = best.fit._replace(model=Model(
-                {name: values for name, values in best.fit.model.effects.items()
-                 if name in rival.effects}, best.fit.model.factors))
+            kept = best.fit.only(names)
             found, = search.try_all([(names, search.base._replace(model=rival))], '')
             if len(names) == len(kept.model.effects) + 1:
                 found, = search.try_all([(names, kept)], '', again=True)

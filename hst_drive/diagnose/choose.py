@@ -15,6 +15,7 @@ from hst_drive.identify.judge import IN_SAMPLE
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, weigh
+import numpy as np
 
 _CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
 
@@ -88,16 +89,20 @@ def likeliest(search: Search, best: Candidate,
 
 def rivals_of(search: Search, first: Candidate, best: Candidate,
               rivals: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
-    """Return the rivals of a set in which a rival took the place of an effect of ``best``."""
+    """
+    Return the rivals of a set in which a rival took the place of an effect of ``best``.
+
+    Those of the other effects are as they were beside that.
+    """
     (new,), (out,) = {*first.names} - {*best.names}, {*best.names} - {*first.names}
     group = [out if entry == new else entry for entry in rivals[out]]
     kept = first.fit.without(new)
     sets = search.try_all([((*kept.model.effects, entry), kept) for entry in group],
                           'trying rivals')
     odds = log_odds(search, [first, *sets])[1:]
-    group = [entry for entry, value in zip(group, odds) if value >= -CREDIBLE]
-    return {**{name: tuple(rivals[name]) for name in best.names if name != out},
-            new: tuple(group)}
+    return {**{name: tuple(entry for entry in rivals[name] if entry != new)
+               for name in best.names if name != out},
+            new: tuple(group[place] for place in np.argsort(-odds) if odds[place] >= -CREDIBLE)}
 
 
 def _plainness(names: Sequence[str]) -> tuple[int, int]:

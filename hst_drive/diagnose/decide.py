@@ -170,15 +170,10 @@ def _order(search: Search, best: Candidate) -> list[str]:
         if len(rest) == 1:
             order += rest
             break
-        trials = search.try_all([((*order, name), _part(best.fit, (*order, name)))
+        trials = search.try_all([((*order, name), best.fit.only((*order, name)))
                                  for name in rest], 'ordering')
         order.append(rest[min(range(len(rest)), key=lambda k: trials[k].score)])
     return order
-
-
-def _part(fitted: Fit, names: Sequence[str]) -> Fit:
-    effects, factors = fitted.model.effects, fitted.model.factors
-    return fitted._replace(model=Model({name: effects[name] for name in names}, factors))
 
 
 def _ladder(search: Search, best: Candidate, order: Sequence[str],
@@ -193,7 +188,7 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
         if count == len(order):
             fitted = best.fit
         else:
-            fitted = search.try_all([(names, _part(best.fit, names))], 'ladder')[0].fit
+            fitted = search.try_all([(names, best.fit.only(names))], 'ladder')[0].fit
         steps.append(step(order[count - 1], fitted))
     return tuple(steps)
 

@@ -48,8 +48,14 @@ class Fit(NamedTuple):
         """The columns of the Jacobian by (effect, parameter); effect '' for the unit."""
         return dict(zip(self.names, self.jacobian.T))
 
+    def only(self, names: Collection[str]) -> Fit:
+        """Return the model and the columns to start from with some of the effects."""
+        return self._replace(model=Model(
+            {name: values for name, values in self.model.effects.items() if name in names},
+            self.model.factors))
+
     def without(self, name: str) -> Fit:
-        """Return what to start from without an effect."""
+        """Return the model and the columns to start from without an effect."""
         return self._replace(model=self.model.without(name))
 
 
@@ -83,20 +89,17 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
                 errors: Sequence[np.ndarray], which: Sequence[int],
                 errors_at: ErrorsAt) -> np.ndarray:
     """Return columns of the Jacobian of the weighted errors, by forward differences."""
-    base, steps = campaign.training(errors), _nudges(unknowns, vector)
+    base = campaign.training(errors)
 
     def column(k: int) -> np.ndarray:
-        step = -steps[k] if vector[k] + steps[k] > unknowns.high[k] else steps[k]
+        step = _NUDGE if k < unknowns.factors else _NUDGE_EFFECT * max(abs(vector[k]), 0.3)
+        if vector[k] + step > unknowns.high[k]:
+            step = -step
         moved = vector.copy()
         moved[k] += step
         return (campaign.training(errors_at(moved)) - base) / step
 
-    return np.array([*each(column, which)]).reshape(-1, len(base)).T
-
-
-def _nudges(unknowns: Unknowns, vector: np.ndarray) -> np.ndarray:
-    return np.where(np.arange(len(vector)) < unknowns.factors, _NUDGE,
-                    _NUDGE_EFFECT * np.maximum(np.abs(vector), 0.3))
+    return np.array([*each(column, which)]).reshape(len(which), len(base)).T
 
 
 def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
@@ -152,15 +155,14 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     jacobian = np.empty((len(vector), len(residual))).T
     for k in {*everything} - {*own}:
         jacobian[:, k] = known[unknowns.names[k]]
-    # Whether what is not known was formed, nearby or here, and where all was.
-    formed, here, whole, damping = not own, False, None, 1e-6
+    # Whether what is not known was formed, nearby or here.
+    formed, here, damping = not own, False, 1e-6
     own = own or everything
     linear = linearised() if formed else None
     for place in range(iterations if everything else 0):
         if not formed:
             jacobian[:, own] = differences(campaign, unknowns, vector, errors, own, errors_at)
             formed = here = True
-            whole = vector if own == everything else None
             linear = linearised()
         reached = None
         for trial, damping in _trials(linear, unknowns, vector, damping, refresh):
@@ -172,23 +174,23 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         if reached is None:
             if here:
                 break
-            formed = False
+            formed, damping = False, 1e-6
             continue
         gain, move = cost - trial_cost, reached - vector
-        as_said = gain >= _AS_SAID * (linear.cost - linear.after(move))
-        formed, here = bool(known) and as_said, False
+        as_said = gain >= _AS_SAID * (linear.cost - linear.after(move)) > 0.0
+        trusted, formed, here = here or as_said, bool(known) and as_said, False
         surprise = campaign.training(trial_errors) - residual - jacobian @ move
         jacobian += np.outer(move / (move @ move), surprise).T
         vector, errors, cost = reached, trial_errors, trial_cost
         residual = campaign.training(errors)
         # A first step along a bend gains little; where time is taken the next one may gain more.
-        if gain < 1e-3 * cost + 0.5 and (place or not refresh):
+        if trusted and gain < 1e-3 * cost + 0.5 and (place or not refresh):
             break
         linear = linearised()
-        if linear.cost - linear.after(_step(linear, unknowns, vector, 1e-6)) < 1e-3 * cost + 0.5:
+        more = linear.cost - linear.after(_step(linear, unknowns, vector, 1e-6))
+        if trusted and more < 1e-3 * cost + 0.5:
             break
-    if refresh and (whole is None
-                    or (np.abs(vector - whole) > _nudges(unknowns, vector)).any()):
+    if refresh and not (here and own == everything):
         jacobian = differences(campaign, unknowns, vector, errors, everything, errors_at)
     if trimmed:
         cost = cost_of(campaign, unknowns, vector, errors)      # to be compared with others

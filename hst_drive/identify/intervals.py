@@ -76,7 +76,7 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
            vector: np.ndarray) -> np.ndarray:
     """Return the Jacobian with the columns of what the fit kept as it was."""
-    known = dict(zip(fitted.names, fitted.jacobian.T))
+    known = fitted.columns
     kept = [place for place, name in enumerate(unknowns.names) if name not in known]
     added = differences(campaign, unknowns, vector, fitted.errors, kept,
                         lambda moved: campaign.errors(unknowns.unpack(moved), to_fit=True))

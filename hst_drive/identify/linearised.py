@@ -3,6 +3,8 @@
 """Squared errors near a model: a quadratic of how far the unknowns move."""
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from scipy.optimize import lsq_linear
 
@@ -29,9 +31,14 @@ class Linearised:
     def __init__(self, residual: np.ndarray, jacobian: np.ndarray, vector: np.ndarray,
                  factors: int):
         prior = (np.arange(len(vector)) < factors).astype(float)
+        self._known = jacobian, residual
         self.normal = jacobian.T @ jacobian + np.diag(prior)
         self.gradient = jacobian.T @ residual + prior * vector
         self.cost = float(residual @ residual + prior @ vector**2)
+
+    def least(self) -> float:
+        """Return what is left at best."""
+        return self.after(-np.linalg.solve(self.normal, self.gradient))
 
     def after(self, move: np.ndarray) -> float:
         """Return what is left once the unknowns have moved so far."""
@@ -51,12 +58,11 @@ class Linearised:
         move[moved] = scale * found.x
         return move
 
-    def beside(self, jacobian: np.ndarray, residual: np.ndarray, column: np.ndarray) -> Linearised:
+    def beside(self, column: np.ndarray) -> Linearised:
         """Return the same with an unknown more that moves the errors by ``column``."""
-        other = object.__new__(Linearised)
+        (jacobian, residual), other = self._known, copy(self)
         across = jacobian.T @ column
         other.normal = np.block([[self.normal, across[:, None]],
                                  [across[None, :], np.array([[column @ column]])]])
         other.gradient = np.append(self.gradient, column @ residual)
-        other.cost = self.cost
         return other

@@ -37,7 +37,7 @@ def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, st
 
     def least(move: np.ndarray, lowest: float) -> float:
         low[-1] = lowest
-        both = known.beside(jacobian, without, move)
+        both = known.beside(move)
         return both.after(both.step(low, high))
 
     total = float(without @ without)

@@ -63,8 +63,8 @@ def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
 
 
 def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Fit]:
-    kept = {name: best.fit.model.effects[name] for name in best.names if name not in out}
-    return tuple(kept), best.fit._replace(model=Model(kept, best.fit.model.factors))
+    kept = tuple(name for name in best.names if name not in out)
+    return kept, best.fit.only(kept)
 
 
 def _sigmas(campaign: Campaign, model: Model, known: Spread, name: str) -> float:

@@ -83,12 +83,15 @@ def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     residual = campaign.training(campaign.errors(base, to_fit=True))
     known = Linearised(residual, factors, np.zeros(len(wide)), len(wide))
     for place, model in enumerate((*free, *fitted)):
-        move = campaign.training(campaign.errors(model, to_fit=True)) - residual
-        both, far = known.beside(factors, residual, move), model.effects[name][size.name] - off
-        low, high = sorted((end - off) / far for end in (size.low, size.high)) if (
-            far and place < len(free)) else (1.0, 1.0)
+        moved = campaign.training(campaign.errors(model, to_fit=True))
+        far = model.effects[name][size.name] - off
+        if place >= len(free) or not far:
+            yield Linearised(moved, factors, np.zeros(len(wide)), len(wide)).least(), model
+            continue
+        low, high = sorted((end - off) / far for end in (size.low, size.high))
+        both = known.beside(moved - residual)
         step = both.step(np.append(-wide, low), np.append(wide, high))
-        share = np.copysign(np.clip(abs(step[-1]), *_SHARES), step[-1])
+        share = np.clip(abs(step[-1]), *_SHARES) * (-1.0 if step[-1] < 0.0 > low else 1.0)
         yield both.after(step), model.with_effect(name, {
             **model.effects[name], size.name: float(off + np.clip(share, low, high) * far)})
 
@@ -108,7 +111,7 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
     def left(model: Model) -> float:
         return max(load.ratios(load.errors(model, to_fit=True), False).values())
 
-    bare = [Model(model.effects) for model in models]
+    bare, without = [Model(model.effects) for model in models], left(base)
     off = [left(model) for model in bare]
     return [fit(load, bare[place], iterations=_STEPS).model for place in np.argsort(off)[:_NEAR]
-            if off[place] < left(base)]
+            if off[place] < without]

@@ -80,6 +80,16 @@ def test_a_linear_problem_is_bounded_ridge_regression(true):
     assert found.cost == pytest.approx(float(error @ error + exact[:2] @ exact[:2]), rel=1e-5)
 
 
+@pytest.mark.parametrize('share', [0.2, -1.0, 3.0])
+def test_columns_that_are_wrong_lead_there_too(share):
+    """What is known of the Jacobian comes from another model: steps that fail form it anew."""
+    campaign = problem(3, np.array((0.5, -1.0, 1.5)))
+    known = {('', key): share * column for key, column in zip(TOLERANCES, campaign.matrix.T)}
+    known[EFFECT, KEY] = share * campaign.matrix[:, 2]
+    found = fit(campaign, start(), iterations=8, known=known)
+    assert found.cost == pytest.approx(fit(campaign, start(), iterations=8).cost, abs=0.6)
+
+
 def covered(noise, count=300):
     """Return how often the interval of the effect's size holds the truth."""
     hits = 0
