@@ -58,9 +58,10 @@ def test_fine_rows_agree_with_coarse_ones(name):
 
 @pytest.mark.parametrize('command', [6.0, 7.0])
 @pytest.mark.parametrize('effects', [
-    {}, {'hydrodynamic_drag': {'coefficient': 10.0}}, {'piston_ripple': {'cosine': 0.3}}])
+    {}, {'hydrodynamic_drag': {'coefficient': 10.0}}, {'piston_ripple': {'cosine': 0.3}},
+    {'line_inertance': {}}])
 def test_fine_rows_at_the_corners(command, effects):
-    """A start from rest, where the line runs empty, and as much damping as there may be."""
+    """A start where the line runs empty, as much damping as there may be, a long line."""
     time = np.arange(2001) * 0.001
     inputs = {'pump_command': np.where(time < 1.2 - 1e-6, command, 4.5),
               'pprv_command': np.where(time < 1.6 - 1e-6, 1.0, 2.0)}
