@@ -3,6 +3,7 @@
 """Trials of what is not listed: formulas fitted in a model, and whether they are better."""
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Callable, Mapping, NamedTuple
 
 from hst_drive.diagnose.result import Unknown
@@ -59,7 +60,8 @@ def faint(model: Model, freer: Freer) -> Model:
 
 
 def fitted_freer(campaign: Campaign, model: Model, freer: Freer,
-                 known: Mapping[tuple[str, str], np.ndarray] = {}) -> Trial | None:
+                 known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
+                 ) -> Trial | None:
     """Fit a model with a formula; None if the rig has adopted that already."""
     if freer.formula in campaign.rig.effects:
         return None

@@ -34,7 +34,8 @@ class Fit(NamedTuple):
     A fitted model.
 
     ``cost`` is the sum of squares of the weighted errors and of the priors; ``jacobian`` and
-    ``names`` belong to the scaled unknowns (see ``Unknowns``).
+    ``names`` belong to the scaled unknowns (see ``Unknowns``). With another model in it (``only``,
+    ``without``) it is where to start from: then model and ``columns`` count.
     """
 
     model: Model
@@ -132,7 +133,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     kept : collection of (str, str)
         What stays as ``start`` has it (``Unknowns``).
     progress : callable
-        Called with a text before each replay; may raise to stop.
+        Called with a text before each replay, from several threads; may raise to stop.
 
     """
     unknowns = Unknowns(campaign, start, kept)
