@@ -27,8 +27,8 @@ from hst_drive.identify.fit import at_limit, Fit, fit, limited, score
 from hst_drive.identify.judge import SIGNIFICANT
 from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.search import Candidate, Search
-from hst_drive.identify.threads import each
 from hst_drive.measure.run import CHANNELS
+from hst_drive.measure.threads import each
 import numpy as np
 
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own

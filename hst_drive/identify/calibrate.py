@@ -50,7 +50,8 @@ def _deepest(campaign: Campaign, plain: Fit) -> Fit:
         moved = vector.copy()
         moved[place] = _END * end
         model = unknowns.unpack(moved)
-        return cost_of(campaign, unknowns, moved, campaign.errors(model, to_fit=True)), model
+        errors = campaign.errors(model, to_fit=True)
+        return cost_of(unknowns, moved, campaign.training(errors)), model
 
     cost, start = min((at(place, end) for place in range(len(vector)) for end in (-1.0, 1.0)),
                       key=lambda item: item[0])

@@ -15,8 +15,8 @@ from typing import Callable, Collection, Iterator, Mapping, NamedTuple, Sequence
 from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.linearised import Linearised
-from hst_drive.identify.threads import each
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
+from hst_drive.measure.threads import each
 import numpy as np
 
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
@@ -76,12 +76,8 @@ def score(campaign: Campaign, fitted: Fit) -> float:
     return total + fitted.cost
 
 
-def cost_of(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
-            errors: Sequence[np.ndarray], trimmed: bool = False) -> float:
-    """Return the sum of squares of weighted errors and priors; ``trimmed``: without events."""
-    residual = campaign.training(errors)
-    if trimmed:
-        residual = residual[campaign.without_events(residual)]
+def cost_of(unknowns: Unknowns, vector: np.ndarray, residual: np.ndarray) -> float:
+    """Return the sum of squares of weighted errors and priors."""
     prior = vector[:unknowns.factors]
     return float(residual @ residual + prior @ prior)
 
@@ -143,14 +139,17 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         progress(f'fitting: {next(replays)} replays')
         return campaign.errors(unknowns.unpack(vector), to_fit=True)
 
+    def used(residual: np.ndarray) -> np.ndarray | slice:
+        return campaign.without_events(residual) if trimmed else slice(None)
+
     def linearised() -> Linearised:
-        used = campaign.without_events(residual) if trimmed else slice(None)
-        return Linearised(residual[used], jacobian[used], vector, unknowns.factors)
+        rows = used(residual)
+        return Linearised(residual[rows], jacobian[rows], vector, unknowns.factors)
 
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
     errors = errors_at(vector)
     residual = campaign.training(errors)
-    cost = cost_of(campaign, unknowns, vector, errors, trimmed)
+    cost = cost_of(unknowns, vector, residual[used(residual)])
     everything = list(range(len(vector)))
     own = [k for k in everything if unknowns.names[k] not in known]
     jacobian = np.empty((len(vector), len(residual))).T
@@ -168,7 +167,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         reached = None
         for trial, damping in _trials(linear, unknowns, vector, damping, refresh):
             trial_errors = errors_at(trial)
-            trial_cost = cost_of(campaign, unknowns, trial, trial_errors, trimmed)
+            moved = campaign.training(trial_errors)
+            trial_cost = cost_of(unknowns, trial, moved[used(moved)])
             if trial_cost < cost:
                 reached, damping = trial, max(damping / 10, 1e-9)
                 break
@@ -180,10 +180,9 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         gain, move = cost - trial_cost, reached - vector
         as_said = gain >= _AS_SAID * (linear.cost - linear.after(move)) > 0.0
         trusted, formed, here = here or as_said, bool(known) and as_said, False
-        surprise = campaign.training(trial_errors) - residual - jacobian @ move
+        surprise = moved - residual - jacobian @ move
         jacobian += np.outer(move / (move @ move), surprise).T
-        vector, errors, cost = reached, trial_errors, trial_cost
-        residual = campaign.training(errors)
+        vector, errors, residual, cost = reached, trial_errors, moved, trial_cost
         # A first step along a bend gains little; where time is taken the next one may gain more.
         if trusted and gain < 1e-3 * cost + 0.5 and (place or not refresh):
             break
@@ -194,7 +193,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     if refresh and not (here and own == everything):
         jacobian = differences(campaign, unknowns, vector, errors, everything, errors_at)
     if trimmed:
-        cost = cost_of(campaign, unknowns, vector, errors)      # to be compared with others
+        cost = cost_of(unknowns, vector, residual)      # to be compared with others
     model = unknowns.unpack(vector)
     return Fit(model, campaign.errors(model, known=errors), cost, unknowns.names, jacobian)
 

@@ -14,8 +14,8 @@ from typing import Iterator, TYPE_CHECKING
 from hst_drive.effects import catalogue
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.shapes import shapes_of
-from hst_drive.identify.threads import each
 from hst_drive.identify.unknowns import Unknowns
+from hst_drive.measure.threads import each
 import numpy as np
 
 if TYPE_CHECKING:
@@ -26,22 +26,20 @@ def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, st
     """Yield what share of the squared error each effect may take away, and its name."""
     campaign, own = search.campaign, candidate.fit
     unknowns = Unknowns(campaign, own.model, shapes_of(candidate.names))
-    columns = own.columns
     vector = unknowns.pack(own.model)
     without = campaign.training(own.errors)
+    columns = own.columns
     jacobian = np.column_stack([columns[key] for key in unknowns.names])
     known = Linearised(without, jacobian, vector, unknowns.factors)
-    low = np.append(np.minimum(unknowns.low - vector, 0.0), 0.0)
-    high = np.append(np.maximum(unknowns.high - vector, 0.0), np.inf)
+    low, high = np.minimum(unknowns.low - vector, 0.0), np.maximum(unknowns.high - vector, 0.0)
     start = campaign.training(search.base.errors)
 
     def least(move: np.ndarray, lowest: float) -> float:
-        low[-1] = lowest
         both = known.beside(move)
-        return both.after(both.step(low, high))
+        return both.after(both.step(np.append(low, lowest), np.append(high, np.inf)))
 
     total = float(without @ without)
-    alone = least(np.zeros_like(without), 0.0)
+    alone = known.after(known.step(low, high))
 
     def typical(name: str) -> np.ndarray:
         model = own.model.with_effect(name, campaign.typical(name))

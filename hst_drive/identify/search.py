@@ -21,7 +21,7 @@ from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of
 from hst_drive.identify.starts import starts
-from hst_drive.identify.threads import each
+from hst_drive.measure.threads import each
 import numpy as np
 
 MOST_EFFECTS = 3
@@ -67,7 +67,6 @@ class Search:
         self.progress = progress
         self.base = calibrated(campaign)
         self.bare = _without_adopted(campaign, self.base)
-        self.factors = self.base.jacobian[:, :len(campaign.tolerances)]
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
@@ -99,10 +98,9 @@ class Search:
 
     def _fit(self, task: tuple[tuple[str, ...], Fit]) -> Candidate:
         names, start = task
-        known = start.columns
         # Sizes first: a shape that is free from the start may end far from what it could be.
         shapes = shapes_of(names)
-        found = [fit(self.campaign, model, known=known, kept=shapes)
+        found = [fit(self.campaign, model, known=start.columns, kept=shapes)
                  for model in self._starts(names, start.model)]
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
@@ -122,7 +120,7 @@ class Search:
         if new is None:
             return [start]
         alone = self._known.get((new,))
-        return starts(self.campaign, self.factors, start, new,
+        return starts(self.campaign, self.base.jacobian, start, new,
                       alone.fit.model.effects[new] if alone else None)
 
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:

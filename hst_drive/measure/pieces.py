@@ -9,9 +9,9 @@ state tells whether that was so; if not (play that no command crossed), the piec
 """
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Mapping
 
+from hst_drive.measure.threads import each
 from hst_drive.model import Drive
 from hst_drive.model.compose import STATES
 import numpy as np
@@ -56,8 +56,7 @@ def simulate_in_pieces(drive: Drive, time: np.ndarray, inputs: Mapping[str, np.n
             start = move(lead, first, guess(lead))[1]
         return (start, *move(first, edges[number + 1], start))
 
-    with ThreadPoolExecutor() as pool:
-        found = list(pool.map(piece, range(PIECES)))
+    found = list(each(piece, range(PIECES)))
     whole: dict[str, np.ndarray] = {}
     at = found[0][0]
     for number, (start, signals, end) in enumerate(found):
