@@ -45,7 +45,7 @@ EFFECT = Effect(
     # Ringing in step and out of step with the measured one: a valley each.
     starts=tuple({'compliance': compliance, 'load_side_share': share}
                  for share in (0.3, 0.45, 0.6, 0.75)
-                 for compliance in (2e-4 * 1.25**k for k in range(20))),
+                 for compliance in (2e-4 * 1.5**k for k in range(11))),
     telltale='After a change of load, torque and speed ring at a frequency that the oil column '
              'does not explain.',
     source='Two-inertia drive: H. E. Merritt, Hydraulic Control Systems, Wiley 1967, on load '

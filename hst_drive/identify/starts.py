@@ -26,7 +26,8 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
 
     Typical size and a third of it, what the effect is alone, and where its declaration says, or
     the order of the swings that are left. Where it is not fitted yet, it starts with the size that
-    takes most away if it does as much more as it is larger.
+    takes most away if it does as much more as it is larger. A resonance starts where the torque
+    alone says; if that is nearer without any, one start is enough.
 
     Parameters
     ----------
@@ -50,13 +51,17 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         return [base.with_effect(name, {**values, effect.order: float(entry)})
                 for entry in found] or [base.with_effect(name, values)]
     shapes = [{**values, size: off + share * (values[size] - off)} for share in (1.0, _LESS)]
-    further = effect.starts if alone is None or len(effect.starts) <= _FEW else ()
+    many = len(effect.starts) > _MANY
+    further = effect.starts if alone is None or many or len(effect.starts) <= _FEW else ()
     # In logs of a part what a whole drive alone can tell stays as it is.
     declared = [{**values, **entry} for entry in further if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
-    if len(declared) > _MANY:
-        fitted += _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
+    if many:
+        near = _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
+        if declared and not near:
+            return [base.with_effect(name, values)]
+        fitted, shapes = [*near, *fitted], []
     else:
         shapes += declared
     kept: dict[int, tuple[float, Model]] = {}
@@ -102,7 +107,8 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
 
     Where a drive rings, only a start within some hundredths of the truth leads there; the load by
     itself hardly rings, and asks for no simulation. A unit that was calibrated without the effect
-    has strayed to make up for it: here it is that of the datasheet.
+    has strayed to make up for it: here it is that of the datasheet. None is returned where the
+    torque is nearer without any of them.
     """
     load = campaign.of_load()
     if not load.ratios(load.errors(base, to_fit=True), False):
@@ -111,7 +117,7 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
     def left(model: Model) -> float:
         return max(load.ratios(load.errors(model, to_fit=True), False).values())
 
-    bare, without = [Model(model.effects) for model in models], left(base)
+    bare, without = [Model(model.effects) for model in models], left(Model(base.effects))
     off = [left(model) for model in bare]
     return [fit(load, bare[place], iterations=_STEPS).model for place in np.argsort(off)[:_NEAR]
             if off[place] < without]
