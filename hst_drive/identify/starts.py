@@ -14,7 +14,6 @@ import numpy as np
 
 _ALIKE = 1e-3   # of the cost: two starts that differ by less lead to the same place
 _MANY, _NEAR, _STEPS = 10, 4, 8     # starts; of more the nearest are fitted to the load first
-_FEW = 3        # starts that an effect declares which are tried beside others, too
 _LESS = 0.3     # of its typical size, where it is tried, too
 _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
@@ -51,15 +50,13 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         return [base.with_effect(name, {**values, effect.order: float(entry)})
                 for entry in found] or [base.with_effect(name, values)]
     shapes = [{**values, size: off + share * (values[size] - off)} for share in (1.0, _LESS)]
-    many = len(effect.starts) > _MANY
-    further = effect.starts if alone is None or many or len(effect.starts) <= _FEW else ()
     # In logs of a part what a whole drive alone can tell stays as it is.
-    declared = [{**values, **entry} for entry in further if 'parts' not in campaign.searched
+    declared = [{**values, **entry} for entry in effect.starts if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
-    if many:
+    if len(declared) > _MANY:
         near = _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
-        if declared and not near:
+        if not near:
             return [base.with_effect(name, values)]
         fitted, shapes = [*near, *fitted], []
     else:
@@ -71,9 +68,9 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         kept.setdefault(round(np.log(max(promise, 1.0)) / _ALIKE), (promise, model))
     first = next(iter(kept.values()))[1]
     best = sorted(kept.values(), key=lambda entry: entry[0])
-    chosen = [model for _, model in best[:2 if further else 1]]
+    chosen = [model for _, model in best[:2 if effect.starts else 1]]
     # Where the error has several valleys a start does not tell how deep its own is.
-    return chosen if not further or first in chosen else [*chosen, first]
+    return chosen if not effect.starts or first in chosen else [*chosen, first]
 
 
 def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
