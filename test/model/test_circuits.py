@@ -37,9 +37,16 @@ def moved(rig, command, torque, effects=None, seconds=6.0, compiled=None):
                                   'opposing_torque': np.full(len(time), torque)}, {})
 
 
-def test_steady_state_of_a_closed_circuit_by_hand():
-    """Speed, both pressures, charge pressure and torque follow from the sheet's numbers."""
-    _, found = moved(CLOSED, 6.0, 4000.0)
+@pytest.mark.parametrize('pump, motor', [(0.0, 0.0), (0.02, 0.03)], ids=['sheet', 'worn'])
+def test_steady_state_of_a_closed_circuit_by_hand(pump, motor):
+    """
+    Speed, both pressures, charge pressure and torque follow from the sheet's numbers.
+
+    What a worn machine leaks more (L/min per bar) leaves both lines, each at its pressure.
+    """
+    _, found = moved(CLOSED, 6.0, 4000.0, {
+        name: {'conductance': more * L_MIN / BAR, 'exponent': 1.0}
+        for name, more in (('pump_leakage', pump), ('motor_leakage', motor)) if more})
     last = {name: values[-1] for name, values in found.items()}
     swept = 2 * 3.0 * 560 * CC_REV
     # Gear, pressure share, Coulomb and viscous part of two motors turn torque into pressure.
@@ -49,7 +56,7 @@ def test_steady_state_of_a_closed_circuit_by_hand():
     assert last['line_a_pressure'] - last['line_b_pressure'] == pytest.approx(difference, rel=1e-4)
     delivered = 71 * CC_REV * 5.0 / 9.0 * 1800 * 2 * math.pi / 60
     high, low = last['line_a_pressure'] / BAR, last['line_b_pressure'] / BAR
-    leaks = (0.012 + 2 * 0.008) * L_MIN
+    leaks = (0.012 + pump + 2 * 0.008 + motor) * L_MIN
     assert speed == pytest.approx((delivered - leaks * high) / swept, rel=1e-4)
     # What the low side lacks comes through the check valve, the rest goes over the relief.
     lacking = leaks * (high + low) + 8.0 * L_MIN * low / 24.0
@@ -57,7 +64,8 @@ def test_steady_state_of_a_closed_circuit_by_hand():
     assert last['charge_pressure'] / BAR == pytest.approx(charge, rel=1e-3)
     assert low == pytest.approx(charge - 0.05 * lacking / L_MIN, rel=1e-3)
     assert last['motor_torque'] == pytest.approx(4000.0, rel=1e-3)
-    assert last['case_drain_flow'] / L_MIN == pytest.approx(0.016 * (high + low), rel=1e-3)
+    assert last['case_drain_flow'] / L_MIN == pytest.approx(
+        (0.016 + motor) * (high + low), rel=1e-3)
     # Pump and charge pump sit on one shaft, and neither is without friction.
     ideal = CC_REV * BAR * (71 * 5.0 / 9.0 * (high - low) + 16 * charge)
     assert last['pump_torque'] == pytest.approx(ideal / 0.93, rel=1e-3)

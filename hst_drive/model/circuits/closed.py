@@ -11,7 +11,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, gear, LEAKS, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leak, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -84,6 +84,18 @@ def charged(low, high, flow, relief, spilled, drawn):
     return charge
 
 
+def pump_leak(pump_pressure, displacement, pump_speed, pump_command, flow, oil_temperature,
+              viscosity_ratio, p, on, cells, layout):
+    """Return what the pump leaks into its case from a line under a pressure, m^3/s."""
+    max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
+    bulk_modulus, characterised_at = p[P_bulk_modulus], p[P_characterised_at]
+    pump_leakage = p[P_pump_leakage_scale] * interpolate2(
+        pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
+    pump_flow_loss = 0.0
+    # slot pump_flow_loss
+    return pump_leakage + pump_flow_loss
+
+
 def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle, drive_speed, aim,
              lag, rate, back_rate, pump_command, charge_measured, oil_temperature,
              viscosity_ratio, motor_torque_load, opposing_torque, motor_displacement_command, p,
@@ -130,31 +142,31 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     # slot pump_speed_lag
     drive_rate = (pump_speed - drive_speed) / max(pump_speed_lag, PUMP_SPEED_AT_ONCE)
     pump_speed = drive_speed
-    pump_pressure, pressure = max(high, 0.0), abs(difference)
+    pressure = abs(difference)
     forwards = 1.0 if motor_speed >= 0.0 else -1.0
     flow = motor_displacement * speed
     line_drop = 0.0
     # slot line_drop
     # A line loses in the sense of the flow: before a hydromotor that drives, behind a braking one.
-    drained, drained_low = motor_leaks(
-        max(high - side * forwards * line_drop, 0.0), max(low, 0.0), motor_speed, motor_angle,
+    a_drained = motor_leak(
+        max(line_a_pressure - line_drop * forwards, 0.0), motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    motor_leakage = drained
-    cross_port_flow = 0.0
+    b_drained = motor_leak(
+        max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
+        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
+    cross_port_flow = motor_flow_loss_kept = pump_flow_loss_kept = 0.0
     # slot cross_port_flow
-    cross_port_flow += max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain]
-    pump_leakage_low = p[P_pump_leakage_scale] * interpolate2(
-        max(low, 0.0), abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
-    pump_leakage = p[P_pump_leakage_scale] * interpolate2(
-        pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
-    pump_flow_loss = 0.0
-    # slot pump_flow_loss
-    lost = drained + pump_leakage + pump_flow_loss
-    pump_pressure = way * difference
-    pump_flow_loss_kept = 0.0
+    # slot motor_flow_loss kept
     # slot pump_flow_loss kept
-    low_loss, high_loss = drained_low + pump_leakage_low - cross_port_flow, lost + cross_port_flow
-    a_loss, b_loss = (high_loss, low_loss) if a_high else (low_loss, high_loss)
+    across = side * (cross_port_flow + motor_flow_loss_kept
+                     + max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain])
+    a_loss = a_drained + across + pump_leak(
+        max(line_a_pressure, 0.0), displacement, pump_speed, pump_command, flow, oil_temperature,
+        viscosity_ratio, p, on, cells, layout)
+    b_loss = b_drained - across + pump_leak(
+        max(line_b_pressure, 0.0), displacement, pump_speed, pump_command, flow, oil_temperature,
+        viscosity_ratio, p, on, cells, layout)
+    low_loss = b_loss if a_high else a_loss
     delivered = stroke * pump_speed - way * pump_flow_loss_kept
     swept = motor_displacement * motor_speed
 
@@ -212,8 +224,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
             (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
             settled_charge, motor_torque, pump_torque, pump_torque * pump_speed,
-            drained + drained_low,
-            swept + (drained if a_high else drained_low), a_storage * per_turn,
+            a_drained + b_drained,
+            swept + a_drained + side * motor_flow_loss_kept, a_storage * per_turn,
             -b_storage * per_turn, gear_angle, p[P_inertia], side * above,
             -side * above, -far * fed, far * fed, fed)
 
@@ -254,7 +266,7 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(charged, capacity, gear, motor_leaks, shaft), numbers=numbers,
+    helpers=(charged, pump_leak, capacity, gear, motor_leak, shaft), numbers=numbers,
     sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',

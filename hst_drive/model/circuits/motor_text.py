@@ -32,13 +32,9 @@ def gear(load_torque, pressure, motor_displacement, p, on, cells, layout):
     return motor_displacement * motor_displacement * gear_twist, gear_angle
 
 
-def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
-                motor_displacement, p, on, cells, layout):
-    """
-    Return what the hydromotor leaks into its case, m^3/s: from the high line, from the low one.
-
-    A piston leaks at the pressure that it stands under; effects are those of the high side.
-    """
+def motor_leak(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ratio,
+               motor_displacement, p, on, cells, layout):
+    """Return what the hydromotor leaks into its case from a line under a pressure, m^3/s."""
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
     motor_leakage = p[P_motor_leakage_scale] * interpolate2(
@@ -46,8 +42,7 @@ def motor_leaks(pressure, low, motor_speed, motor_angle, oil_temperature, viscos
     flow = motor_displacement * abs(motor_speed) + motor_leakage
     motor_flow_loss = 0.0
     # slot motor_flow_loss
-    return motor_leakage + motor_flow_loss, p[P_motor_leakage_scale] * interpolate2(
-        low, abs(motor_speed), T_MOTOR_LEAKAGE, cells, layout)
+    return motor_leakage + motor_flow_loss
 
 
 def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_temperature,

@@ -10,7 +10,7 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, gear, LEAKS, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leak, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -52,8 +52,7 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
     difference = line_a_pressure - line_b_pressure
     side = 1.0 if difference >= 0.0 else -1.0
-    low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
-    pump_pressure, pressure = max(high, 0.0), abs(difference)
+    pump_pressure, pressure = max(line_a_pressure, line_b_pressure, 0.0), abs(difference)
     forwards = 1.0 if motor_speed >= 0.0 else -1.0
     swept = motor_displacement * motor_speed
     flow = abs(swept)
@@ -61,15 +60,17 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     # slot line_drop
     back_pressure = 0.0
     # slot back_pressure
-    drained, drained_low = motor_leaks(
-        max(high - side * forwards * line_drop, 0.0), max(low, 0.0), motor_speed, motor_angle,
+    a_drained = motor_leak(
+        max(line_a_pressure - line_drop * forwards, 0.0), motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    motor_leakage = drained
-    cross_port_flow = 0.0
+    b_drained = motor_leak(
+        max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
+        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
+    cross_port_flow = motor_flow_loss_kept = 0.0
     # slot cross_port_flow
-    a_loss, b_loss = drained + cross_port_flow, drained_low - cross_port_flow
-    if side < 0.0:
-        a_loss, b_loss = b_loss, a_loss
+    # slot motor_flow_loss kept
+    across = side * (cross_port_flow + motor_flow_loss_kept)
+    a_loss, b_loss = a_drained + across, b_drained - across
     supply = p[P_supply]
     if not math.isnan(supply_measured):
         supply = supply_measured
@@ -100,7 +101,7 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
             (into_a - a_loss) / motor_displacement, -(into_b - b_loss) / motor_displacement,
             back_pressure + a_returns * a_returns, back_pressure + b_returns * b_returns,
             2.0 * a_returns / wide * a_storage, 2.0 * b_returns / wide * b_storage,
-            motor_torque, drained + drained_low, swept + (drained if side > 0.0 else drained_low),
+            motor_torque, a_drained + b_drained, swept + a_drained + side * motor_flow_loss_kept,
             a_storage / motor_displacement, -b_storage / motor_displacement, gear_angle,
             p[P_inertia], forth, -forth)
 
@@ -127,7 +128,7 @@ CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(edge, capacity, gear, motor_leaks, shaft), numbers=numbers,
+    helpers=(edge, capacity, gear, motor_leak, shaft), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
     keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
           'line.bulk_modulus_Pa'),
