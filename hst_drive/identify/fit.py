@@ -33,9 +33,10 @@ class Fit(NamedTuple):
     """
     A fitted model.
 
-    ``cost`` is the sum of squares of the weighted errors and of the priors; ``jacobian`` and
-    ``names`` belong to the scaled unknowns (see ``Unknowns``). With another model in it (``only``,
-    ``without``) it is where to start from: then model and ``columns`` count.
+    ``cost`` is the sum of squares of the weighted errors and of the priors; ``jacobian``,
+    ``names`` and ``information``, the Jacobian's square, belong to the scaled unknowns (see
+    ``Unknowns``). With another model in it (``only``, ``without``) it is where to start from:
+    then model and ``columns`` count.
     """
 
     model: Model
@@ -43,11 +44,16 @@ class Fit(NamedTuple):
     cost: float
     names: tuple[tuple[str, str], ...]
     jacobian: np.ndarray
+    information: np.ndarray
 
     @property
     def columns(self) -> dict[tuple[str, str], np.ndarray]:
         """The columns of the Jacobian by (effect, parameter); effect '' for the unit."""
-        return dict(zip(self.names, self.jacobian.T))
+        return dict(zip(self.names, self.jacobian.T)) if len(self.jacobian) else {}
+
+    def light(self) -> Fit:
+        """Return what is needed to compare fits: of hours of logs many Jacobians are too many."""
+        return self._replace(jacobian=self.jacobian[:0].copy())
 
     def only(self, names: Collection[str]) -> Fit:
         """Return the model and the columns to start from with some of the effects."""
@@ -69,7 +75,8 @@ def score(campaign: Campaign, fitted: Fit) -> float:
     6, 1978).
     """
     own = [name for name, _ in fitted.names if name]
-    total = (len(own) - len({*own})) * float(np.log(max(len(fitted.jacobian), 1)))
+    samples = sum(len(column.fit) for column in campaign.columns)
+    total = (len(own) - len({*own})) * float(np.log(max(samples, 1)))
     for error, column in zip(fitted.errors, campaign.columns):
         judged = (error * column.trust)[column.judge] * campaign.thinning(column)
         total += float(judged @ judged)
@@ -195,7 +202,8 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     if trimmed:
         cost = cost_of(unknowns, vector, residual)      # to be compared with others
     model = unknowns.unpack(vector)
-    return Fit(model, campaign.errors(model, known=errors), cost, unknowns.names, jacobian)
+    return Fit(model, campaign.errors(model, known=errors), cost, unknowns.names, jacobian,
+               jacobian.T @ jacobian)
 
 
 def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:

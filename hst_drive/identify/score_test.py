@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, str]]:
     """Yield what share of the squared error each effect may take away, and its name."""
-    campaign, own = search.campaign, candidate.fit
+    campaign, own = search.campaign, search.whole(candidate).fit
     unknowns = Unknowns(campaign, own.model, shapes_of(candidate.names))
     vector = unknowns.pack(own.model)
     without = campaign.training(own.errors)

@@ -91,6 +91,8 @@ class Search:
         todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
                                         for name in task[0]))
         for done, found in enumerate(each(self._fit, todo)):
+            if len(sets) > 1:
+                found = found._replace(fit=found.fit.light())
             self._known[found.names] = min(
                 found, self._known.get(found.names, found), key=lambda item: item.score)
             self.progress(f'{what}: {done + 1} of {len(todo)}')
@@ -130,6 +132,13 @@ class Search:
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
+
+    def whole(self, candidate: Candidate) -> Candidate:
+        """Return a candidate with the Jacobian of its fit, which is kept of few alone."""
+        if len(candidate.fit.jacobian):
+            return candidate
+        return candidate._replace(fit=fit(
+            self.campaign, candidate.fit.model, iterations=0, refresh=True))
 
     def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
         """Compare two candidates on held-out data, or on what was fitted."""
@@ -249,6 +258,7 @@ class Search:
         Effects are tried that may move the signals as what is left does; ``least`` is the share
         of its square that such a move must take away.
         """
+        candidate = self.whole(candidate)
         likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
         found = self.try_all([((*candidate.names, name), candidate.fit)
                               for hope, name in likely if hope >= least],

@@ -127,7 +127,7 @@ def _penalty(campaign: Campaign, fitted: Fit) -> float:
     unknowns = Unknowns(campaign, fitted.model)
     known = {name: place for place, name in enumerate(unknowns.names)}
     place = np.array([known[name] for name in fitted.names], dtype=int)
-    information = weight(len(campaign.signals)) * fitted.jacobian.T @ fitted.jacobian
+    information = weight(len(campaign.signals)) * fitted.information
     mode, scale = unknowns.pack(fitted.model)[place], unknowns.scale[place]
     ranges, neutral = (unknowns.high - unknowns.low)[place], np.full(len(mode), np.nan)
     for k, (name, key) in enumerate(fitted.names):

@@ -125,7 +125,8 @@ def test_what_moves_nothing_has_the_declared_bounds_to_the_last_digit(name, key)
     campaign.fits = lambda effect, parameter: parameter == key
     parameter = catalogue()[name].parameter(key)
     found = intervals(campaign, Fit(Model({name: catalogue()[name].typical}),
-                                    [campaign.values], 0.0, ((name, key),), jacobian))
+                                    [campaign.values], 0.0, ((name, key),), jacobian,
+                                    jacobian.T @ jacobian))
     assert found[name, key] == (parameter.low, parameter.high)
 
 
