@@ -33,6 +33,10 @@ def test_the_forecast_is_what_a_fit_takes_away():
     assert found['flow_sensor_scale'] == pytest.approx(
         (drag.fit.cost - after.cost) / float(left @ left), rel=0.2)
     assert found['flow_sensor_scale'] > 10 * found['pump_lag']
+    # Jacobians of hours of logs would fill the memory: that of one fit of many is formed anew.
+    lag = search.single('pump_lag')
+    assert not lag.fit.columns
+    assert {*search.whole(lag).fit.columns} == {*lag.fit.names}
 
 
 @pytest.mark.parametrize('bias, hoped', [(-1.5e5, False), (1.5e5, True)])
