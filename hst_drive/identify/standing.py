@@ -4,8 +4,9 @@
 What may be named of a set that was found, whichever way it was found.
 
 An effect stands if the evidence does not speak against it (``weigh``), and if it is not at the
-end of what is plausible on a machine. Without one that falls the others are fitted and judged
-anew.
+end of what is plausible on a machine. What a set leaves beyond the noise may be the work of
+something that acts like one of its effects: what takes away little more than is left falls, too.
+Without one that falls the others are fitted and judged anew.
 """
 from __future__ import annotations
 
@@ -20,14 +21,18 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
 
+_MOST_LEFT = 0.5    # of what an effect takes away: half of a 95 % interval is twice as much
+
 
 def standing(search: Search, best: Candidate) -> Candidate:
     """Return what may be named of a set, fitted without the rest."""
     while best.names:
+        left = forms(search, best)
         fewer = search.try_all([_rest(best, [name]) for name in best.names], 'taking effects out')
-        against = {name: inf if at_its_end(search.campaign, best.fit.model, name) else odds
+        against = {name: inf if left[name] > _MOST_LEFT or at_its_end(
+                       search.campaign, best.fit.model, name) else odds
                    for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
-        weakest = max(against, key=against.get)
+        weakest = max(against, key=lambda name: (against[name], left[name]))
         if against[weakest] <= log(DECIDED):
             break
         best = without(search, best, [weakest])
