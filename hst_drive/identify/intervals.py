@@ -90,15 +90,23 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.
 
     Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
-    see ``spread``.
+    see ``spread``. A size that its shape leaves open (a gas volume, known but for the precharge)
+    is one by its ratio: where the effect is there for sure, nothing is no value for it.
     """
     found = spread(campaign, fitted, forms)
     unknowns, values = found.unknowns, found.unknowns.mix(found.vector)
     width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
         unknowns.mix(unknowns.mix(found.covariance).T)))
+    away = values - unknowns.mix(found.before)
+    first = {(name, next(iter(shape))) for name, shape in fitted.model.effects.items()}
+    open_ = np.array([name in first for name in unknowns.names], dtype=bool) & (
+        width >= np.abs(away)) & (width < np.ptp(unknowns.bounds, axis=1)) & (away != 0.0)
     # At a bound to the last digit: who reads it compares them.
-    low, high = np.maximum(values - width, unknowns.bounds[:, 0]), np.minimum(
-        values + width, unknowns.bounds[:, 1])
+    ends = np.array([values - width, values + width])
+    ratio = np.exp(width[open_] / np.abs(away[open_]))
+    ends[:, open_] = (values - away)[open_] + np.sort(
+        [away[open_] / ratio, away[open_] * ratio], axis=0)
+    low, high = np.clip(ends, *unknowns.bounds.T)
     return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
 
 

@@ -21,3 +21,23 @@ def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed
     first, *others = found.effects
     assert first.id == name and found.probability.effects[name] > 0.8
     assert {entry.id for entry in others} <= {'leakage_temperature'}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('kind, seed, named', [
+    # A worn hydromotor leaks from both lines: from one alone it looked like an opening.
+    ('single', 9221, ['motor_leakage']),
+    # Its volume and its precharge are known but for their product.
+    ('single', 9228, ['accumulator']),
+    # A lag that the unit's tolerance allows, and a leak from line to line, were named beside it.
+    ('none', 9600, ['leakage_temperature']), ('single', 9601, ['elastic_leakage'])])
+def test_behind_a_valve_what_is_there_is_named_alone(tmp_path, kind, seed, named):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'valve', '--kind', kind,
+                                '--seed', str(seed))
+    assert kind == 'none' or [*truth['effects']] == named
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert [entry.id for entry in found.effects] == named
+    for entry in found.effects:
+        size = next(iter(entry.parameters.values()))
+        assert 0.0 < size.low < size.value < size.high
