@@ -91,7 +91,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
     near = sorted(zip(causes, fits), key=lambda pair: score(search.campaign, pair[1]))
     for cause, found in near[:_NEAREST]:
         found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
-        search.unlisted.append((cause.campaign, found))
+        search.unlisted.append((cause.campaign, found.light()))
         if _explains(search, best, found, left, cause.campaign):
             trial = cause.told(found)
             said = 'more' if left or not best.names else (

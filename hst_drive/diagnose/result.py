@@ -57,7 +57,7 @@ class Found(NamedTuple):
             return ''
         size, now = next(iter(self.parameters.items()))
         neutral = catalogue(everything=True)[self.id].parameter(size).neutral
-        if now.low <= neutral <= now.high:
+        if now.low <= neutral <= now.high and not now.low <= self.adopted[size] <= now.high:
             return 'gone'
         grown = abs(now.value - neutral) > abs(self.adopted[size] - neutral)
         return 'grown' if grown else 'shrunk'

@@ -82,7 +82,7 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
         return found
     for name in best.names:
         tried = [*_formula(search, best, name), *_actuator(search, best, name)]
-        search.unlisted += [(search.campaign, trial.fit) for trial in tried]
+        search.unlisted += [(search.campaign, trial.fit.light()) for trial in tried]
         trials = [trial for trial in tried if beaten(search, best, trial.fit)]
         if not trials:
             continue
@@ -107,7 +107,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
               for trial in [fitted_freer(search.campaign, model, freer)] if trial]
     if not trials:
         return {}
-    search.unlisted += [(search.campaign, trial.fit) for trial in trials]
+    search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
     trial = min(trials, key=lambda item: score(search.campaign, item.fit))
     gained = sure(search, best, trial.fit)
     # Of what explains as much one cause is a better answer than several.
@@ -130,7 +130,7 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
     if isinstance(search.campaign, PartCampaign):
         return None
     for trial in _beside(search, best, left):
-        search.unlisted.append((search.campaign, trial.fit))
+        search.unlisted.append((search.campaign, trial.fit.light()))
         gained = sure(search, best, trial.fit)
         told = trial.unknown
         # Who says better what is left than its place and a formula do explains it.

@@ -126,8 +126,8 @@ class Effect:
     both_ways : bool
         Whether only logs that turn both ways tell it from what is alike, which comes first.
     kept : bool
-        Whether what the delivery lacks (``pump_flow_loss``) is not taken in either, so that in a
-        closed circuit it is not lost.
+        Whether what a pump lacks or a hydromotor takes in (``pump_flow_loss``,
+        ``motor_flow_loss``) goes from line to line, so that in a closed circuit it is not lost.
 
     Raises
     ------

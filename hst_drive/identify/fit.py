@@ -35,8 +35,8 @@ class Fit(NamedTuple):
 
     ``cost`` is the sum of squares of the weighted errors and of the priors; ``jacobian``,
     ``names`` and ``information``, the Jacobian's square, belong to the scaled unknowns (see
-    ``Unknowns``). With another model in it (``only``, ``without``) it is where to start from:
-    then model and ``columns`` count.
+    ``Unknowns``). The Jacobian may have been dropped (``light``). With another model in it
+    (``only``, ``without``) it is where to start from: then model and ``columns`` count.
     """
 
     model: Model
@@ -49,11 +49,11 @@ class Fit(NamedTuple):
     @property
     def columns(self) -> dict[tuple[str, str], np.ndarray]:
         """The columns of the Jacobian by (effect, parameter); effect '' for the unit."""
-        return dict(zip(self.names, self.jacobian.T)) if len(self.jacobian) else {}
+        return dict(zip(self.names, self.jacobian.T))
 
     def light(self) -> Fit:
-        """Return what is needed to compare fits: of hours of logs many Jacobians are too many."""
-        return self._replace(jacobian=self.jacobian[:0].copy())
+        """Return the fit without its Jacobian: many of long logs would fill the memory."""
+        return self._replace(jacobian=np.zeros((0, 0)))
 
     def only(self, names: Collection[str]) -> Fit:
         """Return the model and the columns to start from with some of the effects."""

@@ -90,9 +90,12 @@ class Search:
         # The long ones first, so that no core waits for them at the end.
         todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
                                         for name in task[0]))
-        for done, found in enumerate(each(self._fit, todo)):
-            if len(sets) > 1:
-                found = found._replace(fit=found.fit.light())
+
+        def fitted(task: tuple[tuple[str, ...], Fit]) -> Candidate:
+            found = self._fit(task)
+            return found if len(sets) == 1 else found._replace(fit=found.fit.light())
+
+        for done, found in enumerate(each(fitted, todo)):
             self._known[found.names] = min(
                 found, self._known.get(found.names, found), key=lambda item: item.score)
             self.progress(f'{what}: {done + 1} of {len(todo)}')
@@ -134,8 +137,8 @@ class Search:
         return Candidate(names, found, score)
 
     def whole(self, candidate: Candidate) -> Candidate:
-        """Return a candidate with the Jacobian of its fit, which is kept of few alone."""
-        if len(candidate.fit.jacobian):
+        """Return a candidate with the Jacobian of its fit, formed anew where it was dropped."""
+        if len(candidate.fit.columns) == len(candidate.fit.names):
             return candidate
         return candidate._replace(fit=fit(
             self.campaign, candidate.fit.model, iterations=0, refresh=True))

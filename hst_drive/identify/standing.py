@@ -15,22 +15,22 @@ from typing import Collection
 
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import DECIDED
-from hst_drive.identify.fit import at_its_end, Fit
+from hst_drive.identify.fit import at_its_end, Fit, settled
 from hst_drive.identify.judge import AT_NOISE, excess, judged
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
 
-_MOST_LEFT = 0.5    # of what an effect takes away: half of a 95 % interval is twice as much
+_MOST_LEFT = 0.5    # of what an effect takes away: with more its interval would hold zero
 
 
 def standing(search: Search, best: Candidate) -> Candidate:
     """Return what may be named of a set, fitted without the rest."""
     while best.names:
-        left = forms(search, best)
-        fewer = search.try_all([_rest(best, [name]) for name in best.names], 'taking effects out')
+        fewer = _each_without(search, best, again=True)
+        left, sizes = forms(search, best), settled(search.campaign, best.fit)[1].model
         against = {name: inf if left[name] > _MOST_LEFT or at_its_end(
-                       search.campaign, best.fit.model, name) else odds
+                       search.campaign, sizes, name) else odds
                    for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
         weakest = max(against, key=lambda name: (against[name], left[name]))
         if against[weakest] <= log(DECIDED):
@@ -39,11 +39,17 @@ def standing(search: Search, best: Candidate) -> Candidate:
     return best
 
 
+def _each_without(search: Search, best: Candidate, again: bool = False) -> list[Candidate]:
+    """Return the sets without each of the effects; ``again``: also fitted from the set itself."""
+    return search.try_all([_rest(best, [name]) for name in best.names], 'taking effects out',
+                          again)
+
+
 def forms(search: Search, best: Candidate) -> dict[str, float]:
     """Return by what share each effect of a set may be off, for what the set leaves."""
-    fewer = search.try_all([_rest(best, [name]) for name in best.names], 'taking effects out')
     return {name: min(_share(search.campaign, rest.fit, best.fit, held_out)
-                      for held_out in (True, False)) for name, rest in zip(best.names, fewer)}
+                      for held_out in (True, False))
+            for name, rest in zip(best.names, _each_without(search, best))}
 
 
 def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float:

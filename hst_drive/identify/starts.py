@@ -26,7 +26,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     Typical size and a third of it, what the effect is alone, and where its declaration says, or
     the order of the swings that are left. Where it is not fitted yet, it starts with the size that
     takes most away if it does as much more as it is larger. A resonance starts where the torque
-    alone says; if that is nearer without any, one start is enough.
+    alone says; if the torque is nearer without the effect, its typical form is enough.
 
     Parameters
     ----------
@@ -58,7 +58,8 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         near = _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
         if not near:
             return [base.with_effect(name, values)]
-        fitted, shapes = [*near, *fitted], []
+        told = near if alone is None or len(near) <= _NEAR else []
+        fitted, shapes = [*told, *fitted], []
     else:
         shapes += declared
     kept: dict[int, tuple[float, Model]] = {}
@@ -104,8 +105,8 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
 
     Where a drive rings, only a start within some hundredths of the truth leads there; the load by
     itself hardly rings, and asks for no simulation. A unit that was calibrated without the effect
-    has strayed to make up for it: here it is that of the datasheet. None is returned where the
-    torque is nearer without any of them.
+    has strayed to make up for it: here it is that of the datasheet. The list is empty where
+    the torque is nearer without any of them.
     """
     load = campaign.of_load()
     if not load.ratios(load.errors(base, to_fit=True), False):

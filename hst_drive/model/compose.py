@@ -116,7 +116,8 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         A term that reads what the text does not know where its slot lies is left out.
     template : str
         The equations, from ``import math`` on. Where they have a line ``# slot NAME kept``, the
-        effects that are ``kept`` enter there, as ``NAME_kept``.
+        effects that are ``kept`` enter there, as ``NAME_kept``; with ``# slot NAME free`` so do
+        formulas, which may read all that is known there.
     names, tables : sequence of str
         Numbers and tables that they use, as ``P_name`` and ``T_NAME``.
 
@@ -143,14 +144,13 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         mark = line.strip()
         if not mark.startswith('# slot '):
             continue
-        slot, _, kept = mark[len('# slot '):].partition(' ')
-        apart = f'# slot {slot} kept' in template
+        slot, _, part = mark[len('# slot '):].partition(' ')
         indent = line[:len(line) - len(line.lstrip())]
-        variable = {'load_torque': 'whole_load_torque'}.get(slot, slot) + (kept and f'_{kept}')
+        variable = {'load_torque': 'whole_load_torque'}.get(slot, slot) + (part and f'_{part}')
         # A slot's own switch spares a look at each of its effects.
         body.append(f'{indent}if on[SLOT_{slot}]:')
         for name, effect, place, function in _terms(effects):
-            if place != slot or apart and effect.kept != bool(kept):
+            if place != slot or _part(effect, slot, template) != part:
                 continue
             if call := _call(effect, function, places, known[number]):
                 body += [f'{indent}    if on[{flags[effect.id]}]:',
@@ -159,6 +159,14 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
     text = '\n'.join(['# Generated from the equations and the catalogue of effects.',
                       *text[:head], '', *lines, '', *body, ''])
     return text, places, flags, slots, size
+
+
+def _part(effect: Effect, slot: str, template: str) -> str:
+    """Return the word behind the slot's name where an effect enters, '' without one."""
+    for part, belongs in (('kept', effect.kept), ('free', effect.searched == 'never')):
+        if belongs and f'# slot {slot} {part}' in template:
+            return part
+    return ''
 
 
 def _call(effect: Effect, function: Callable, places: dict, known: set[str]) -> str:

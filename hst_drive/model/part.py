@@ -25,7 +25,6 @@ from hst_drive.model.kernel_template import played
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
 import numpy as np
-from scipy.linalg import solve_banded
 
 Known = Mapping[str, Any]
 _STEEP = 3.0    # friction has its sign but for 0.5 % where the speed is no longer creeping
@@ -317,7 +316,9 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
     steps = np.append(np.diff(time), 0.0)
     up, down = (-np.expm1(-steps / entry) for entry in (
         lag, lag if back_lag is None else back_lag))
-    if rate == back_rate == math.inf and back_lag in (None, lag):
+    if rate == back_rate == math.inf and back_lag in (None, lag) and len(time) > 1:
+        from scipy.linalg import solve_banded     # late: nodes start without it
+
         # Linear: each row from the one before, as a system of equations.
         known = np.append(target[:1], up[:-1] * target[:-1])
         return solve_banded((1, 0), [np.ones(len(time)), up - 1.0], known, check_finite=False)

@@ -4,6 +4,7 @@
 import dataclasses
 import math
 
+from hst_drive.effects.formula import SPEED
 from hst_drive.errors import InputError
 from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel, part_model
@@ -108,6 +109,27 @@ def test_an_effect_of_the_catalogue_acts_in_a_closed_circuit(effect, channel, si
             way < 0) else channel
         turn = way if name == 'motor_speed' else 1.0
         assert sign * turn * (with_it[name][-1] - without[name][-1]) > 0.0
+
+
+@pytest.mark.parametrize('rig', [CLOSED, VALVE], ids=['closed', 'valve'])
+@pytest.mark.parametrize('name, drained', [('formula_motor_flow', True),
+                                           ('formula_pump_flow', False)])
+def test_a_formula_reads_the_speed_and_takes_oil_from_the_high_line_once(rig, name, drained):
+    """What was not listed is no leak of both lines: -1 cm^3/s at twice its speed's unit."""
+    if not CircuitModel(rig).enters(name):
+        return
+    told = {entry.name: np.zeros(2) for entry in circuit_of(rig).states}
+    told |= {'motor_speed': np.full(2, 2 * SPEED), 'line_a_pressure': np.full(2, 100e5),
+             'line_b_pressure': np.full(2, 50e5)}
+    without, with_it = (CircuitModel(rig, effects).run(np.array([0.0, 0.01]), {}, told)
+                        for effects in ({}, {name: {
+                            'coefficient_1': -0.5e-6, 'speed_1': 1.0, 'coefficient_2': 0.0,
+                            'coefficient_3': 0.0}}))
+    moved_by = {key: with_it[key][0] - without[key][0] for key in with_it}
+    displacement = circuit_of(rig).parameters(rig)['motor_displacement']
+    assert moved_by['speed_by_a'] * displacement == pytest.approx(-1e-6, rel=1e-6)
+    assert moved_by['speed_by_b'] == 0.0
+    assert moved_by['case_drain_flow'] == pytest.approx(1e-6 * drained, rel=1e-6)
 
 
 def test_a_valve_circuit_has_no_cross_port_relief():

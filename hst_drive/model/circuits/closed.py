@@ -4,7 +4,7 @@
 The closed circuit: over-centre pump, two lines, charge pump, cross-port reliefs, hydromotors.
 
 Signs as in ISO 4391: stroke, flow, speed and torque are positive in the drilling direction, where
-line A carries the pressure. What leaks goes to the cases, from the line under pressure. The
+line A carries the pressure. What leaks goes to the cases, from each line at its pressure. The
 equations refer to the measured shaft, behind the gear if there is one.
 """
 import math
@@ -84,11 +84,12 @@ def charged(low, high, flow, relief, spilled, drawn):
     return charge
 
 
-def pump_leak(pump_pressure, displacement, pump_speed, pump_command, flow, oil_temperature,
-              viscosity_ratio, p, on, cells, layout):
+def pump_leak(pump_pressure, displacement, pump_speed, pump_command, flow, pressure, motor_speed,
+              oil_temperature, viscosity_ratio, p, on, cells, layout):
     """Return what the pump leaks into its case from a line under a pressure, m^3/s."""
     max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
-    bulk_modulus, characterised_at = p[P_bulk_modulus], p[P_characterised_at]
+    bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
+    characterised_at, rated_pressure = p[P_characterised_at], p[P_relief_set_pressure]
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
         pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_flow_loss = 0.0
@@ -132,7 +133,6 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     a_high = difference > 0.0 or difference == 0.0 and aim >= 0.0
     side = 1.0 if a_high else -1.0
     low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
-    # What leaks or is compressed does so at the pressure of its line, the rest at both lines'.
     way = 1.0 if stroke >= 0.0 else -1.0
     pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
     displacement, speed = abs(stroke), abs(motor_speed)
@@ -155,17 +155,28 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
         max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
     cross_port_flow = motor_flow_loss_kept = pump_flow_loss_kept = 0.0
+    motor_flow_loss_free = pump_flow_loss_free = 0.0
     # slot cross_port_flow
     # slot motor_flow_loss kept
+    # slot motor_flow_loss free
     # slot pump_flow_loss kept
+    # slot pump_flow_loss free
+    if a_high:
+        a_drained += motor_flow_loss_free
+    else:
+        b_drained += motor_flow_loss_free
     across = side * (cross_port_flow + motor_flow_loss_kept
                      + max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain])
     a_loss = a_drained + across + pump_leak(
-        max(line_a_pressure, 0.0), displacement, pump_speed, pump_command, flow, oil_temperature,
-        viscosity_ratio, p, on, cells, layout)
+        max(line_a_pressure, 0.0), displacement, pump_speed, pump_command, flow, pressure,
+        motor_speed, oil_temperature, viscosity_ratio, p, on, cells, layout)
     b_loss = b_drained - across + pump_leak(
-        max(line_b_pressure, 0.0), displacement, pump_speed, pump_command, flow, oil_temperature,
-        viscosity_ratio, p, on, cells, layout)
+        max(line_b_pressure, 0.0), displacement, pump_speed, pump_command, flow, pressure,
+        motor_speed, oil_temperature, viscosity_ratio, p, on, cells, layout)
+    if a_high:
+        a_loss += pump_flow_loss_free
+    else:
+        b_loss += pump_flow_loss_free
     low_loss = b_loss if a_high else a_loss
     delivered = stroke * pump_speed - way * pump_flow_loss_kept
     swept = motor_displacement * motor_speed

@@ -66,9 +66,14 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     b_drained = motor_leak(
         max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
         oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    cross_port_flow = motor_flow_loss_kept = 0.0
+    cross_port_flow = motor_flow_loss_kept = motor_flow_loss_free = 0.0
     # slot cross_port_flow
     # slot motor_flow_loss kept
+    # slot motor_flow_loss free
+    if side > 0.0:
+        a_drained += motor_flow_loss_free
+    else:
+        b_drained += motor_flow_loss_free
     across = side * (cross_port_flow + motor_flow_loss_kept)
     a_loss, b_loss = a_drained + across, b_drained - across
     supply = p[P_supply]
