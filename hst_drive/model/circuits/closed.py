@@ -11,7 +11,8 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, gear, LEAKS, motor_leak, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
+    TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -147,24 +148,14 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     flow = motor_displacement * speed
     line_drop = 0.0
     # slot line_drop
-    # A line loses in the sense of the flow: before a hydromotor that drives, behind a braking one.
-    a_drained = motor_leak(
-        max(line_a_pressure - line_drop * forwards, 0.0), motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    b_drained = motor_leak(
-        max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    cross_port_flow = motor_flow_loss_kept = pump_flow_loss_kept = 0.0
-    motor_flow_loss_free = pump_flow_loss_free = 0.0
+    a_drained, b_drained = motor_leaks(
+        line_a_pressure, line_b_pressure, line_drop, motor_speed, motor_angle, oil_temperature,
+        viscosity_ratio, motor_displacement, p, on, cells, layout)
+    cross_port_flow = motor_flow_loss_kept = pump_flow_loss_kept = pump_flow_loss_free = 0.0
     # slot cross_port_flow
     # slot motor_flow_loss kept
-    # slot motor_flow_loss free
     # slot pump_flow_loss kept
     # slot pump_flow_loss free
-    if a_high:
-        a_drained += motor_flow_loss_free
-    else:
-        b_drained += motor_flow_loss_free
     across = side * (cross_port_flow + motor_flow_loss_kept
                      + max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain])
     a_loss = a_drained + across + pump_leak(
@@ -277,7 +268,7 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(charged, pump_leak, capacity, gear, motor_leak, shaft), numbers=numbers,
+    helpers=(charged, pump_leak, capacity, gear, motor_leak, motor_leaks, shaft), numbers=numbers,
     sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',

@@ -45,6 +45,31 @@ def motor_leak(pressure, motor_speed, motor_angle, oil_temperature, viscosity_ra
     return motor_leakage + motor_flow_loss
 
 
+def motor_leaks(line_a_pressure, line_b_pressure, line_drop, motor_speed, motor_angle,
+                oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout):
+    """
+    Return what the hydromotor leaks into its case from line A and from line B, m^3/s.
+
+    A line loses in the sense of the flow: before a hydromotor that drives, behind a braking one.
+    What a formula takes it takes once, from the high line.
+    """
+    ahead = line_drop if motor_speed >= 0.0 else -line_drop
+    a_drained = motor_leak(max(line_a_pressure - ahead, 0.0), motor_speed, motor_angle,
+                           oil_temperature, viscosity_ratio, motor_displacement, p, on, cells,
+                           layout)
+    b_drained = motor_leak(max(line_b_pressure + ahead, 0.0), motor_speed, motor_angle,
+                           oil_temperature, viscosity_ratio, motor_displacement, p, on, cells,
+                           layout)
+    pressure = abs(line_a_pressure - line_b_pressure)
+    motor_flow_loss_free = 0.0
+    # slot motor_flow_loss free
+    if line_a_pressure >= line_b_pressure:
+        a_drained += motor_flow_loss_free
+    else:
+        b_drained += motor_flow_loss_free
+    return a_drained, b_drained
+
+
 def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_temperature,
           viscosity_ratio, motor_displacement, p, on, cells, layout):
     """

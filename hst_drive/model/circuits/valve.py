@@ -10,7 +10,8 @@ import math
 
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, gear, LEAKS, motor_leak, motor_numbers, SCALED, shaft, SIGN_SPEED, TABLES)
+    capacity, gear, LEAKS, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
+    TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
 
@@ -60,20 +61,12 @@ def equations(opening, line_a_pressure, line_b_pressure, motor_speed, motor_angl
     # slot line_drop
     back_pressure = 0.0
     # slot back_pressure
-    a_drained = motor_leak(
-        max(line_a_pressure - line_drop * forwards, 0.0), motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    b_drained = motor_leak(
-        max(line_b_pressure + line_drop * forwards, 0.0), motor_speed, motor_angle,
-        oil_temperature, viscosity_ratio, motor_displacement, p, on, cells, layout)
-    cross_port_flow = motor_flow_loss_kept = motor_flow_loss_free = 0.0
+    a_drained, b_drained = motor_leaks(
+        line_a_pressure, line_b_pressure, line_drop, motor_speed, motor_angle, oil_temperature,
+        viscosity_ratio, motor_displacement, p, on, cells, layout)
+    cross_port_flow = motor_flow_loss_kept = 0.0
     # slot cross_port_flow
     # slot motor_flow_loss kept
-    # slot motor_flow_loss free
-    if side > 0.0:
-        a_drained += motor_flow_loss_free
-    else:
-        b_drained += motor_flow_loss_free
     across = side * (cross_port_flow + motor_flow_loss_kept)
     a_loss, b_loss = a_drained + across, b_drained - across
     supply = p[P_supply]
@@ -133,7 +126,7 @@ CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(edge, capacity, gear, motor_leak, shaft), numbers=numbers,
+    helpers=(edge, capacity, gear, motor_leak, motor_leaks, shaft), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
     keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
           'line.bulk_modulus_Pa'),
