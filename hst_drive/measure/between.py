@@ -8,6 +8,7 @@ from typing import NamedTuple
 from hst_drive.rig import Rig
 import numpy as np
 
+HELD = 0.9      # of the misfit of moving commands: below, held ones are nearer to the truth
 _USUAL = 0.01   # s between steps of a controller that the rig does not describe
 
 
@@ -32,6 +33,10 @@ class Between(NamedTuple):
         if command and self.held:
             return values[places.astype(int)]
         return np.interp(places, np.arange(n), values)
+
+    def mean_of_rows(self, command: np.ndarray) -> np.ndarray:
+        """Return what a command is on average from each row to the next, if it moves."""
+        return command + np.diff(command, append=command[-1]) * (self.steps - 1) / (2 * self.steps)
 
     def at_rows(self, values: np.ndarray) -> np.ndarray:
         """Return what belongs to the rows of values at all steps."""

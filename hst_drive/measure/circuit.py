@@ -12,6 +12,7 @@ from typing import Any
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table, lacking
+from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import SETTLES, tell
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
@@ -49,11 +50,31 @@ class CircuitReplay(PartReplay):
         super().__init__(run, model)
         if 'oil_temperature' in self._channels:
             self._ratio = model.viscosity_ratio(self._channels['oil_temperature'])
+        between = Between.rows(model.rig, run.sample_time)
+        if between.steps > 1:
+            self._fill_in(model, between)
         self.doubts = self._doubts(model)
 
     def place(self, name: str) -> Balance:
         """Return the balance of that name."""
         return self._by_name[name]
+
+    def _fill_in(self, model: CircuitModel, between: Between) -> None:
+        """Let commands move between the rows of a slow record, unless held ones fit better."""
+        held = {entry.name: self._channels[entry.name] for entry in model.circuit.held_inputs
+                if entry.name in self._channels}
+        before, known = self._fast_misfit(model), self._channels
+        self._channels = {**known, **{
+            name: between.mean_of_rows(values) for name, values in held.items()}}
+        if before < HELD * self._fast_misfit(model):
+            self._channels = known
+
+    def _fast_misfit(self, model: CircuitModel) -> float:
+        """Return the squared error from row to row, over what changes; slow errors are others'."""
+        found = self.predict(model).signals
+        return sum(float(np.nanmean(np.diff(found[name] - self.run[name])**2)
+                         / max(np.nanmean(np.diff(self.run[name])**2), 1e-30))
+                   for name in self.signals)
 
     def _doubts(self, model: CircuitModel) -> dict[str, np.ndarray]:
         """Return what another start and another small lag of pump or valve would do."""

@@ -14,7 +14,7 @@ import copy
 from typing import Iterator, Mapping, NamedTuple
 
 from hst_drive.errors import InputError
-from hst_drive.measure.between import Between
+from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
 from hst_drive.measure.readings import filled, Readings
@@ -127,7 +127,7 @@ class Replay:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.
             line, held = (self._misfit(drive, choice) for choice in (False, True))
-            self._between = self._between._replace(held=held < 0.9 * line)
+            self._between = self._between._replace(held=held < HELD * line)
             self.stamps = 0.3 * run.sample_time
         self._prepare(drive)
         if 'motor_speed' in run:

@@ -1,9 +1,12 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Diagnosis of circuits beside the open one, on machines of an independent generator."""
+import math
 from test.measure.test_circuit import campaign
 
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.part import campaign_of
 import pytest
 
 
@@ -41,3 +44,12 @@ def test_behind_a_valve_what_is_there_is_named_alone(tmp_path, kind, seed, named
     for entry in found.effects:
         size = next(iter(entry.parameters.values()))
         assert 0.0 < size.low < size.value < size.high
+
+
+def test_commands_that_move_between_slow_rows_make_no_valve_faster(tmp_path):
+    """Rows of 20 ms of a controller of 10 ms: held from row to row they come 5 ms late."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'valve', '--kind', 'none', '--seed', '9235')
+    found = calibrated(campaign_of(rig, [*logs.values()]))
+    assert truth['rate_hz'] == 50.0
+    assert math.exp(found.model.factors['valve.lag']) == pytest.approx(
+        truth['scatter']['valve.lag'], abs=0.06)
