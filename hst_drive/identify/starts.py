@@ -58,6 +58,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         near = _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
         if not near:
             return [base.with_effect(name, values)]
+        # Without a torque all are near: beside others so many simulations take too long.
         told = near if alone is None or len(near) <= _NEAR else []
         fitted, shapes = [*told, *fitted], []
     else:
@@ -83,13 +84,17 @@ def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     """
     size = campaign.parameter(name, catalogue(everything=True)[name].parameters[0].name)
     off, wide = campaign.off(name)[size.name], np.full(factors.shape[1], np.inf)
+
+    def around(residual: np.ndarray) -> Linearised:
+        return Linearised(residual, factors, np.zeros(len(wide)), len(wide))
+
     residual = campaign.training(campaign.errors(base, to_fit=True))
-    known = Linearised(residual, factors, np.zeros(len(wide)), len(wide))
+    known = around(residual)
     for place, model in enumerate((*free, *fitted)):
         moved = campaign.training(campaign.errors(model, to_fit=True))
         far = model.effects[name][size.name] - off
         if place >= len(free) or not far:
-            yield Linearised(moved, factors, np.zeros(len(wide)), len(wide)).least(), model
+            yield around(moved).least(), model
             continue
         low, high = sorted((end - off) / far for end in (size.low, size.high))
         both = known.beside(moved - residual)

@@ -61,13 +61,15 @@ class CircuitReplay(PartReplay):
 
     def _fill_in(self, model: CircuitModel, between: Between) -> None:
         """Let commands move between the rows of a slow record, unless held ones fit better."""
-        held = {entry.name: self._channels[entry.name] for entry in model.circuit.held_inputs
-                if entry.name in self._channels}
-        before, known = self._fast_misfit(model), self._channels
-        self._channels = {**known, **{
-            name: between.mean_of_rows(values) for name, values in held.items()}}
-        if before < HELD * self._fast_misfit(model):
-            self._channels = known
+        held = self._channels
+        moving = {entry.name: between.mean_of_rows(held[entry.name])
+                  for entry in model.circuit.held_inputs if entry.name in held}
+        if not moving:
+            return
+        misfit = self._fast_misfit(model)
+        self._channels = {**held, **moving}
+        if misfit < HELD * self._fast_misfit(model):
+            self._channels = held
 
     def _fast_misfit(self, model: CircuitModel) -> float:
         """Return the squared error from row to row, over what changes; slow errors are others'."""
