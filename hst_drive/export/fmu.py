@@ -19,7 +19,8 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity
 from hst_drive.export.c_source import Array, translate
 from hst_drive.model import Drive
-from hst_drive.model.compose import generate_drive, OUTPUTS, python_of, STATES
+from hst_drive.model.compiled import python_of
+from hst_drive.model.compose import generate_drive, OUTPUTS, STATES
 from hst_drive.model.parameters import NAMES, SCALED
 from hst_drive.rig.schema import FACTORS, OIL_TEMPERATURES
 from hst_drive.units import to_si

@@ -117,7 +117,9 @@ def _machines(summary: Summary) -> Markup:
         note('A dot is what a date says, with its 95 % interval; also where a diagnosis named '
              'nothing; a leak in oil as warm as it usually is. The band is what all laws that fit '
              '(steady, linear, from some day on, accelerating) say together, with 95 %; orange: '
-             'what comes if it goes on like that. Grey: something changed between two dates.'),
+             'what comes if it goes on like that. Grey: something changed between two dates. The '
+             'size now is of all dates; what is not known of the machine itself, which moves all '
+             'dots together, makes its interval wider.'),
         *(_machine(number, machine) for number, machine in enumerate(summary.machines)))
 
 
@@ -133,7 +135,7 @@ def _machine(number: int, machine: Machine) -> Markup:
         'div', element('h3', f'{machine.name} ', _badge(machine)),
         element('ul', *(element('li', told) for told in of_machine(machine))),
         element('div', *figures, class_='pictures') if figures else '',
-        element('p', f'{done} of {machine.campaigns} campaigns judged; '
+        element('p', f'{done} of {many(machine.campaigns, "campaign")} judged; '
                 f'its own file: {machine.unit}', class_='note'),
         class_='machine', id=f'machine-{number}')
 
@@ -153,6 +155,6 @@ def _rows(rows: Sequence[dict]) -> Markup:
                row['status'], row['reason'] or (row['diagnosis'] or {}).get('sentence') or
                'taken as healthy: the machine was commissioned on it'] for row in rows]
     return section('campaigns', 'All campaigns', element(
-        'details', element('summary', f'{len(listed)} campaigns and their answers'),
+        'details', element('summary', f'{many(len(listed), "campaign")}, with answers'),
         table(['campaign', 'date', 'verdict', 'answer, or why there is none'], listed,
               'Campaigns')))

@@ -15,6 +15,7 @@ import numpy as np
 
 _WIDTH, _HEIGHT = 420, 230     # as wide as a telephone: there letters keep their size
 _LEFT, _RIGHT, _TOP, _BOTTOM = 52, 12, 22, 30
+_UNIT = 80              # so much room has the axis's unit
 _LABELS = 5             # most dates at the axis
 _AHEAD = 0.5            # of the history, that is shown of what comes
 _STEPS = 40             # of the band
@@ -79,8 +80,9 @@ def picture(entry: Followed, label: str) -> Markup:
                              text_anchor='middle', fill=SOFT))
     parts.append(element('line', x1=f'{x(now):.1f}', x2=f'{x(now):.1f}', y1=_TOP,
                          y2=_HEIGHT - _BOTTOM, stroke='#8c959f', stroke_dasharray='2 3'))
-    parts.append(element('text', 'last log', x=f'{x(now):.1f}', y=_TOP - 8, font_size=11,
-                         text_anchor='middle', fill=SOFT))
+    # Beside the axis's unit, also where there is one date only.
+    parts.append(element('text', 'last log', x=f'{max(x(now), _LEFT + _UNIT):.1f}', y=_TOP - 8,
+                         font_size=11, text_anchor='middle', fill=SOFT))
     if drawn:
         parts += [element('line', x1=_LEFT, x2=_WIDTH - _RIGHT, y1=f'{y(limit):.1f}',
                           y2=f'{y(limit):.1f}', stroke=RED, stroke_width=1.5,

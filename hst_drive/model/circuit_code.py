@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 import inspect
-import os
 import textwrap
 from typing import Callable, NamedTuple
 
@@ -13,7 +12,8 @@ from hst_drive.effects import catalogue, edition
 from hst_drive.model import kernel_template
 from hst_drive.model.circuits import replay_text
 from hst_drive.model.circuits.base import Circuit
-from hst_drive.model.compose import generate, have_numba, running, usable
+from hst_drive.model.compiled import compiles, running
+from hst_drive.model.compose import generate, usable
 
 _SHARED = ('find', 'interpolate', 'interpolate2', 'smooth_sign', 'played')
 _REST = 'p, on, cells, layout'
@@ -75,11 +75,6 @@ def _actuator(circuit: Circuit) -> tuple[Callable, ...]:
 def _listed(name: str, count: int, opened: str = '[') -> str:
     """Return ``name[0], name[1], `` and so on."""
     return ''.join(f'{name}{opened}{index}], ' for index in range(count))
-
-
-def compiles() -> bool:
-    """Say whether circuits run compiled, if nothing else is asked."""
-    return have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
 
 
 def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = None) -> Running:

@@ -3,24 +3,14 @@
 """
 From the equations and the catalogue of effects to running code.
 
-The text of ``kernel_template`` gets one guarded line per effect at its slot, and constants for
-the places in the parameter vector. All effects are in the code, switched by a flag each, so that
-one compilation serves every combination; numba keeps the machine code beside the generated file
-in the user's cache folder.
+The text of ``kernel_template`` gets one guarded line per effect at its slot, switched by a flag,
+and constants for the places in the parameter vector. ``compiled`` makes it run.
 """
 from __future__ import annotations
 
 import ast
 from functools import lru_cache
-import hashlib
-import importlib.util
 import inspect
-import linecache
-import os
-from pathlib import Path
-import sys
-import tempfile
-import types
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, edition, Effect
@@ -28,6 +18,7 @@ from hst_drive.effects.base import arguments
 from hst_drive.effects.slots import (
     SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, USUAL_SHARE, USUAL_UPSTREAM)
 from hst_drive.model import kernel_template
+from hst_drive.model.compiled import compiles, running, terms
 from hst_drive.model.parameters import NAMES, TABLES
 
 CONSTANTS = {
@@ -95,11 +86,6 @@ class Kernel(NamedTuple):
     usable: frozenset[str]
 
 
-def have_numba() -> bool:
-    """Say whether numba can be imported, without importing it."""
-    return importlib.util.find_spec('numba') is not None
-
-
 def generate_drive(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
     """Return ``generate`` of the open circuit's text."""
     return generate(effects, inspect.getsource(kernel_template), NAMES, TABLES)
@@ -149,7 +135,7 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         variable = {'load_torque': 'whole_load_torque'}.get(slot, slot) + (part and f'_{part}')
         # A slot's own switch spares a look at each of its effects.
         body.append(f'{indent}if on[SLOT_{slot}]:')
-        for name, effect, place, function in _terms(effects):
+        for name, effect, place, function in terms(effects):
             if place != slot or _part(effect, slot, template) != part:
                 continue
             if call := _call(effect, function, places, known[number]):
@@ -198,13 +184,6 @@ def _known(template: str) -> dict[int, set[str]]:
     return found
 
 
-def _terms(effects: dict[str, Effect]) -> list[tuple[str, Effect, str, Callable]]:
-    """Return each term's name in the code, effect, slot and function."""
-    return [(f'effect_{effect.id}' + (f'__{number}' if number else ''), effect, slot, function)
-            for effect in effects.values()
-            for number, (slot, function) in enumerate(effect.terms)]
-
-
 def kernel(compiled: bool | None = None) -> Kernel:
     """
     Return the code for all effects of the catalogue.
@@ -216,7 +195,7 @@ def kernel(compiled: bool | None = None) -> Kernel:
 
     """
     if compiled is None:
-        compiled = have_numba() and os.environ.get('NUMBA_DISABLE_JIT', '0') != '1'
+        compiled = compiles()
     return _kernel(compiled, edition())
 
 
@@ -232,103 +211,3 @@ def _kernel(compiled: bool, _: int) -> Kernel:
 def usable(text: str, effects: dict[str, Effect]) -> frozenset[str]:
     """Return the effects whose first term a generated text has."""
     return frozenset(name for name in effects if f'effect_{name}(' in text)
-
-
-def running(text: str, effects: dict[str, Effect], compiled: bool, inline: Sequence[str],
-            inside: Sequence[str], called: Sequence[str]) -> types.ModuleType:
-    """
-    Return a generated text as a module.
-
-    ``inline`` and ``inside`` are the functions that only others of the text call, the first put
-    into their callers; ``called`` those that are called from Python.
-    """
-    if not compiled:
-        return _plain(text, effects)
-    return _compiled(text, effects, inline, inside, called)
-
-
-def _plain(text: str, effects: dict[str, Effect]) -> types.ModuleType:
-    name = f'hst_drive_kernel_{hashlib.sha256(text.encode()).hexdigest()[:8]}'
-    module = types.ModuleType(name)
-    module.__dict__.update({key: function for key, _, _, function in _terms(effects)})
-    filename = f'<{name}>'
-    linecache.cache[filename] = (len(text), None, text.splitlines(True), filename)
-    exec(compile(text, filename, 'exec'), module.__dict__)
-    return module
-
-
-def cache_folder() -> Path:
-    """Return the folder for generated code: HST_DRIVE_CACHE, the user's cache, or a new one."""
-    base = os.environ.get('HST_DRIVE_CACHE') or os.path.join(
-        os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'), 'hst_drive')
-    folder = Path(base)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = tempfile.TemporaryFile(dir=folder)
-        probe.close()
-    except OSError:
-        folder = Path(tempfile.mkdtemp(prefix='hst_drive_'))
-    return folder
-
-
-def _compiled(text: str, effects: dict[str, Effect], inline: Sequence[str],
-              inside: Sequence[str], called: Sequence[str]) -> types.ModuleType:
-    """Write the code with its effects into one file and import that, so that numba can cache."""
-    import numba
-    from numba.core.options import DefaultOptions
-
-    parts = ['import numba', '', python_of(text, effects)]
-    # Inlined, the inner functions cost half: a call hands over some forty words.
-    inline = (*(key for key, _, _, _ in _terms(effects)), *inline)
-    usual = 'nogil=True, error_model="numpy"'
-    if hasattr(DefaultOptions, '_nrt'):
-        # References to arrays are counted in each branch, which took half of the time; nothing
-        # here makes an array. The option is not documented, so it may go.
-        usual += ', _nrt=False'
-    # What only compiled code calls needs neither a wrapper nor a file: that halves compilation.
-    within = f'{usual}, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline='
-    parts += [f'{name} = numba.njit({within}{name in inline})({name})'
-              for name in (*inline, *inside)]
-    parts += [f'{name} = numba.njit(cache=True, {usual})({name})' for name in called]
-    source = '\n\n'.join(parts) + '\n'
-    digest = hashlib.sha256((source + numba.__version__ + sys.version).encode()).hexdigest()[:16]
-    name = f'hst_drive_kernel_{digest}'
-    if name in sys.modules:
-        return sys.modules[name]
-    path = cache_folder() / f'{name}.py'
-    if not path.exists():
-        handle, draft = tempfile.mkstemp(dir=path.parent, suffix='.py')
-        with os.fdopen(handle, 'w', encoding='utf-8') as file:
-            file.write(source)
-        os.replace(draft, path)
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-def python_of(text: str, effects: dict[str, Effect]) -> str:
-    """Return a generated text with the functions of its effects behind it."""
-    return '\n\n'.join([text, *(_function_source(effect.id, function, key)
-                                for key, effect, _, function in _terms(effects))])
-
-
-def _function_source(identity: str, function: Callable, name: str) -> str:
-    """Return an effect's function as text under another name, with the numbers that it uses."""
-    source = inspect.cleandoc('\n' + inspect.getsource(function))
-    head, _, rest = source.partition('(')
-    if not head.startswith('def '):
-        raise ValueError(f"effect '{identity}': its function must be a plain 'def'")
-    used = {key: function.__globals__[key] for key in function.__code__.co_names
-            if isinstance(function.__globals__.get(key), (int, float))}
-    constants = [f'{name}_{key} = {float(value)!r}' for key, value in used.items()]
-    body = f'def {name}({rest}'
-    for key in used:
-        body = _rename(body, key, f'{name}_{key}')
-    return '\n'.join([*constants, body])
-
-
-def _rename(text: str, old: str, new: str) -> str:
-    import re
-    return re.sub(rf'\b{re.escape(old)}\b', new, text)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from hst_drive.losses.efficiency import Limits, Performance
 from hst_drive.measure.run import CHANNELS
-from hst_drive.model.circuit_code import compiles
 from hst_drive.model.circuit_model import part_model
+from hst_drive.model.compiled import compiles
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 from hst_drive.watch.calibration import Calibration
