@@ -4,23 +4,23 @@
 How well a test would tell rival explanations apart.
 
 Expected: linearised, from one rehearsal. Of the difference between two rivals that part counts
-which neither the second one's own parameters nor the unit's tolerances can take up, and that is
-more than a real machine is off any formula. Verified: every rival in turn makes noisy records of
+which neither the second one's own parameters nor the unit's tolerances can take up, by the same
+evidence as in a diagnosis. Verified: every rival in turn makes noisy records of
 what is known and of the test, all are fitted to both, and weighed as in a diagnosis.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Iterable, NamedTuple, Sequence
+from dataclasses import replace
+from typing import Container, Iterable, NamedTuple, Sequence
 
 from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.design.trials import SPIN_UP
-from hst_drive.effects import catalogue
-from hst_drive.identify.alternatives import CREDIBLE
-from hst_drive.identify.campaign import BLOCK, Campaign, Model
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.columns import Column
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.search import at_its_end, Candidate, Search
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
-from hst_drive.identify.weigh import log_odds
+from hst_drive.identify.weigh import Expected, formula_error, log_odds
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -29,14 +29,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 CLEAR = (2 * CREDIBLE)**0.5     # sigma of the worst pair at which a diagnosis tells rivals apart
-# Times the squared difference that another formula could make: a machine is off in its own way.
-_SAFE = 2.0
-_OFF = 0.06             # of what an effect does, by which its formula is off
 EMPTY = 0.015           # of the relief valve's set pressure: the line is not safely filled
 _TRUTHS = 4             # explanations that make records of their own, the likeliest
-_HELD_OUT = 1 / 3       # share of the blocks that will judge
-_INDEPENDENT = 20.0     # independent samples in a block of noise
-_SHOWN = 0.06           # of the squared error: less shows nothing surely
 _MOST = 99.0
 
 
@@ -55,20 +49,6 @@ class Pair(NamedTuple):
     rival: int
     significance: float
     differences: dict[str, Difference]
-
-
-@dataclass
-class _Part:
-    """One signal: rows in time, block of each row, one over its floor and the weights."""
-
-    signal: str
-    blocks: np.ndarray
-    floor: float
-    thin: float
-    shifts: np.ndarray      # (models, rows) reading of each model, in floors
-    bare: np.ndarray        # (rows,) the same without what the models differ in
-    factors: np.ndarray     # (rows, factors)
-    own: list[np.ndarray]   # per model (rows, parameters)
 
 
 class Rehearsal:
@@ -103,28 +83,15 @@ class Rehearsal:
         self.vectors = [unknowns.pack(model) for unknowns, model in zip(self.unknowns, models)]
         count = self.unknowns[0].factors
         base = campaign.errors(models[0])
-        bare = campaign.errors(common)
-        moved = [campaign.errors(model) if place else base for place, model in enumerate(models)]
+        self._bare = campaign.errors(common)
+        self._shifts = [campaign.errors(model) if place else base
+                        for place, model in enumerate(models)]
         factors = [self._derivative(campaign, 0, k, base) for k in range(count)]
-        own = [[self._derivative(campaign, place, k, moved[place])
-                for k in range(count, len(self.vectors[place]))]
-               for place in range(len(models))]
-        self.parts = []
-        for index, column in enumerate(campaign.columns):
-            rows = np.sort(np.concatenate([column.fit, column.judge]))
-            trust = column.trust[rows]
-
-            def taken(errors, index=index, rows=rows, trust=trust):
-                return errors[index][rows] * trust
-
-            time = campaign.replays[0].run.time
-            self.parts.append(_Part(
-                column.signal, ((time[rows] - time[0]) / BLOCK).astype(int),
-                1.0 / column.scale, campaign.thinning(column),
-                np.array([taken(errors) for errors in moved]), taken(bare),
-                np.array([taken(entry) for entry in factors]).T,
-                [np.array([taken(entry) for entry in group]).T if group
-                 else np.zeros((len(rows), 0)) for group in own]))
+        # By model and unknown.
+        self._moves = [[*factors, *(self._derivative(campaign, place, k, self._shifts[place])
+                                    for k in range(count, len(self.vectors[place])))]
+                       for place in range(len(models))]
+        self._campaign, self._expected = campaign, Expected(campaign)
 
     def _derivative(self, campaign: Campaign, place: int, k: int, base) -> list[np.ndarray]:
         unknowns, vector = self.unknowns[place], self.vectors[place].copy()
@@ -136,37 +103,41 @@ class Rehearsal:
 
     def pair(self, truth: int, rival: int, channels: Iterable[str]) -> Pair:
         """Return what would tell a rival from the truth with these channels."""
-        chosen = [part for part in self.parts if part.signal in set(channels)]
+        channels, columns = {*channels}, self._campaign.columns
         unknowns, vector = self.unknowns[rival], self.vectors[rival]
-        count = len(vector)
-        normal, gradient = np.zeros((count, count)), np.zeros(count)
-        for part in chosen:
-            columns = np.hstack([part.factors, part.own[rival]]) * part.thin
-            normal += columns.T @ columns
-            gradient += columns.T @ (part.shifts[rival] - part.shifts[truth]) * part.thin
-        prior = np.zeros(count)
+        apart = [other - own for other, own in zip(self._shifts[rival], self._shifts[truth])]
+        prior = np.zeros(len(vector))
         prior[:unknowns.factors] = 1.0
-        gradient += prior * vector
+        *jacobian, off = self._vectors([*self._moves[rival], apart], channels)
+        normal = np.array(jacobian) @ np.array(jacobian).T
+        gradient = prior * vector + np.array(jacobian) @ off
         root = np.linalg.cholesky(normal + np.diag(prior) + np.diag(1e-9 * np.diag(normal) + 1e-9))
         move = lsq_linear(root.T, np.linalg.solve(root, -gradient),
                           (unknowns.low - vector - 1e-9, unknowns.high - vector + 1e-9)).x
-        energy, sigmas, amount, form, differences = 0.0, [0.0], 0.0, 0.0, {}
-        for part in chosen:
-            left = (part.shifts[rival] - part.shifts[truth] + np.hstack(
-                [part.factors, part.own[rival]]) @ move)
-            energy += float(left @ left) * part.thin**2
-            count = np.bincount(part.blocks)
-            blocks = (np.bincount(part.blocks, left**2) / np.maximum(count, 1))[count > 0]
-            sigmas.append(expected_sigma(blocks))
-            amount += float(blocks.mean())
-            form += float(np.mean((part.shifts[truth] - part.bare)**2))
-            rms = float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
-            differences[part.signal] = Difference(
-                rms * part.floor, rms, float(np.max(np.abs(left), initial=0.0)) * part.floor)
-        form *= _uncertainty(self.models[truth], self.models[rival])**2
-        return Pair(truth, rival, float(min(
-            max(sigmas) * min(amount / (_SAFE * form + 1e-9), 1.0), np.sqrt(energy), _MOST)),
-            differences)
+        left = [error + sum(step * moves[place] for step, moves in zip(move, self._moves[rival]))
+                for place, error in enumerate(apart)]
+        odds = self._expected.odds(
+            left, [own - bare for own, bare in zip(self._shifts[rival], self._bare)], channels,
+            formula_error(self.models[rival].effects))
+        # What the unit is asked for counts, too.
+        asked = prior @ ((vector + move)**2 - vector**2)
+        differences = {}
+        for place, column in enumerate(columns):
+            if column.signal in channels:
+                error, floor = (left[place] * column.trust)[_rows(column)], 1.0 / column.scale
+                rms = float(np.sqrt(np.mean(error**2))) if len(error) else 0.0
+                differences[column.signal] = Difference(
+                    rms * floor, rms, float(np.max(np.abs(error), initial=0.0)) * floor)
+        return Pair(truth, rival, min(float(np.sqrt(max(2.0 * odds + asked, 0.0))), _MOST),
+                    differences)
+
+    def _vectors(self, moves: Sequence[Sequence[np.ndarray]],
+                 channels: Container[str]) -> list[np.ndarray]:
+        """Return errors of all rows that count as vectors, weighted for their correlation."""
+        return [np.concatenate([np.zeros(0), *(
+            (move[place] * column.trust)[_rows(column)] * self._campaign.thinning(column)
+            for place, column in enumerate(self._campaign.columns)
+            if column.signal in channels)]) for move in moves]
 
     def pairs(self, channels: Iterable[str], likely: int | None = None) -> list[Pair]:
         """Return the pairs of one of the first ``likely`` models (all) with one after it."""
@@ -175,24 +146,8 @@ class Rehearsal:
                 for rival in range(truth + 1, len(self.models))]
 
 
-def expected_sigma(blocks: np.ndarray) -> float:
-    """
-    Return the significance that held-out blocks would give, as ``judge.gain`` forms it.
-
-    Parameters
-    ----------
-    blocks : ndarray, shape (blocks,)
-        Mean squared difference of the models in each block, in squared floors.
-
-    """
-    held = max(len(blocks) * _HELD_OUT, 3.0)
-    spread = np.abs(blocks - np.median(blocks))
-    limit = 4 * np.median(spread) * 1.48 + 0.1
-    clipped = np.clip(blocks, None, np.median(blocks) + limit)
-    noise = 4 * clipped.mean() / _INDEPENDENT
-    error = np.sqrt((clipped.var() + noise) / held) + 1e-9
-    share = blocks.mean() / (1.0 + blocks.mean())
-    return float(min(clipped.mean() / error, _MOST) * min(share / _SHOWN, 1.0))
+def _rows(column: Column) -> np.ndarray:
+    return np.sort(np.concatenate([column.fit, column.judge]))
 
 
 def _pressure(run: Run) -> np.ndarray:
@@ -253,15 +208,6 @@ def _apart(search: Search, best: Candidate, rivals: Sequence[Candidate]) -> floa
                  if name not in best.names) for rival in rivals]
     odds = log_odds(search, [best, *rivals])[1:]
     return float(np.where(ended, _MOST, np.sqrt(2.0 * np.maximum(-odds, 0.0))).min())
-
-
-def _uncertainty(first: Model, second: Model) -> float:
-    """Return by which share of what they do the formulas of effects that differ may be off."""
-    known = catalogue()
-    return max((max(known[name].formula_error, known[other].formula_error)
-                for name in first.effects for other in second.effects
-                if other in known[name].alike and name not in second.effects
-                and other not in first.effects), default=_OFF)
 
 
 def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:

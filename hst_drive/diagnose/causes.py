@@ -9,7 +9,7 @@ off as its tolerances let it. So where several effects were needed, or such a un
 explain all, causes with one number or two are tried alone: a reading that is wrong in zero and
 span, and a number of the datasheet that is off by more than its tolerance. Of what explains the
 recordings as well the simpler is the better answer (H. Jeffreys, Theory of Probability, Oxford
-1939). A listed effect of the same sensor stays: the cause is only another formula of it.
+1939). A listed effect of the same sensor alone stays: the cause is only another formula of it.
 """
 from __future__ import annotations
 
@@ -132,8 +132,8 @@ def misreadings(campaign: Campaign) -> Iterator[Freer]:
 
 
 def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
-    """Yield readings that are wrong in zero and span, but for those of which a set says so."""
-    said = {catalogue()[name].slot for name in best.names}
+    """Yield readings that are wrong in zero and span, but for that of which an effect says so."""
+    said = {catalogue()[name].slot for name in best.names if len(best.names) == 1}
     for freer in misreadings(search.campaign):
         if FORMULAS[freer.formula].slot in said:
             continue

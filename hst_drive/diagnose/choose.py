@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which of the sets that were fitted is the answer, by tests and evidence."""
+"""Which of the sets that were fitted is the answer."""
 from __future__ import annotations
 
 from math import log
@@ -8,16 +8,12 @@ from typing import Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
-from hst_drive.identify.alternatives import CREDIBLE
-from hst_drive.identify.evidence import DECIDED, decided, Probability
+from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
-from hst_drive.identify.judge import IN_SAMPLE
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, weigh
 import numpy as np
-
-_CERTAIN = 0.9  # of what is listed: from there on evidence alone names what leaves nothing
 
 
 def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
@@ -36,37 +32,19 @@ def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tupl
             for name, group in rivals.items() for rival in group}
 
 
-def nearly_certain(search: Search, best: Candidate) -> tuple[Candidate, Candidate | None]:
+def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
     """
-    Return the set that is nearly certain and leaves nothing, or what the tests found.
+    Return an effect that is likelier than a unit at limits of its tolerances, if not far likelier.
 
-    What shows in a single event of a short log no test over blocks can be sure of. Something may
-    hide so although nothing seems to be left: where it takes the unit off a limit, and much of
-    the error of the logs that were fitted.
-
-    With less of that, where the tests found nothing, an effect may stand beside the unit alone:
-    that is the second that is returned, or None.
+    It takes the unit off a limit and leaves nothing; None if there is none.
     """
-    left = search.unexplained(best)
     strained = limited(search.campaign, best.fit)
-    if not (left or strained):
-        return best, None
-    found = weigh(search, best)
-    names, share = max(found.sets, key=lambda item: item[1], default=((), 0.0))
-    certain = share >= _CERTAIN * (1.0 - found.unknown)
-    missing = not (best.names or left) and len(names) == 1 and (
-        found.none <= (1.0 - _CERTAIN) * (1.0 - found.unknown))
-    if names == best.names or not (certain or missing):
-        return best, None
-    entry, = (entry for entry in search.tried() if entry.names == names)
-    likelier = standing(search, search.refine(entry))
-    if likelier.names != names or search.unexplained(likelier):
-        return best, None
-    relieved = limited(search.campaign, likelier.fit) < strained
-    if certain and (left or relieved and max(
-            search.gain(best, likelier, False).share.values(), default=0.0) >= IN_SAMPLE):
-        return likelier, None
-    return best, likelier if missing and relieved else None
+    if best.names or not strained:
+        return None
+    (top, *_), _ = search.likeliest(best, search.singles())
+    top = search.refine(top)
+    relieved = limited(search.campaign, top.fit) < strained and not search.unexplained(top)
+    return top if relieved and search.odds(best, [top])[0] > log(DECIDED) else None
 
 
 def likeliest(search: Search, best: Candidate,

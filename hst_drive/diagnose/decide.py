@@ -10,7 +10,7 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.choose import after_tests, likeliest, nearly_certain, rivals_of
+from hst_drive.diagnose.choose import after_tests, instead_of_the_unit, likeliest, rivals_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
@@ -76,9 +76,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     seen = visibility(campaign, search.base, names)
     hidden = {entry.id: entry.reason for entry in seen if entry.reason}
     search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
-    tested = standing(search, search.run())
-    best, beside_unit = nearly_certain(search, tested)
-    certain = best
+    best = standing(search, search.run())
     left = search.unexplained(best)
     more = one_cause(search, best, left)
     if more:
@@ -100,17 +98,17 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
-    or_none = beside_unit is not None and not (left or remaining or doubt)
-    limited, sure = _at_limits(campaign, best.fit), best is certain is not tested
-    best = beside_unit if or_none else best
+    limited = _at_limits(campaign, best.fit)
+    beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
+    or_none, best = beside is not None, beside or best
     order = _order(search, best)
-    rivals = {name: () if sure else alternatives(search, best, name) for name in order}
-    if or_none:
-        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
+    rivals = {name: alternatives(search, best, name) for name in order}
     first = best if left or doubt or or_none else likeliest(search, best, rivals)
     if first is not best:
         rivals = rivals_of(search, first, best, rivals)
         best, order = first, _order(search, first)
+    if or_none:
+        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
@@ -225,15 +223,15 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
         if entry.id in best.names or entry.id in standing:
             continue
         candidate = search.single(entry.id)
-        found = search.gain(candidate, best)
-        if not found.share:
+        found = search.gain(candidate, best).share
+        if not found:
             continue    # too little is held out
-        worst = max(found.share, key=lambda key: found.share[key])
+        worst = max(found, key=found.__getitem__)
         ratios = search.campaign.ratios(candidate.fit.errors, True)
         told[entry.id] = (
             f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times the noise; '
             f'{"what was found" if len(best.names) > 1 else best.names[0]} takes '
-            f'{100 * max(found.share[worst], 0):.0f} % of that squared error away')
+            f'{100 * max(found[worst], 0):.0f} % of that squared error away')
     return told
 
 

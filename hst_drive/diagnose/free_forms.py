@@ -10,10 +10,12 @@ from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, excess, FORM_SHARE, IN_EVENTS, PRACTICAL, SIGNIFICANT)
 from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.weigh import log_odds_unlisted
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
@@ -101,9 +103,8 @@ def sure(search: Search, best: Candidate, trial: Fit) -> tuple[str, float] | Non
 
 def as_much(search: Search, best: Candidate, trial: Fit) -> bool:
     """Say whether a trial leaves nothing, and nothing of several effects is needed beside it."""
-    alone = Candidate((), trial, score(search.campaign, trial))
-    return not (search.unexplained(alone) or search.worthwhile(alone, best)
-                or search.agreed(alone, best))
+    return not search.unexplained(best._replace(fit=trial)) and log_odds_unlisted(
+        search, best, trial) >= -CREDIBLE
 
 
 def much_left(search: Search, best: Candidate, fitted: Fit, rest: float = REST) -> bool:

@@ -18,6 +18,7 @@ from typing import Any, Callable, Collection, Mapping
 from hst_drive.effects.slots import READABLE, readable, SLOTS
 
 _BUILTINS = frozenset({'abs', 'max', 'min'})
+FORMULA_ERROR = 0.1     # of what an effect does, by which its formula usually is off machines
 _GREATEST = 1e12    # SI: no machine has such a torque or speed
 # Powers of a machine's torque, speed and flow in the units whose sizes go with them.
 _POWERS = {'N.m': (1, 0, 0), 'rad/s': (0, 1, 0), 'N.m.s/rad': (1, -1, 0),
@@ -104,8 +105,7 @@ class Effect:
         Effects that differ from this one by no more than formulas do from machines, so that a
         better fit does not tell them apart where it is small.
     formula_error : float
-        Share of what it does by which a machine may be off its formula, where effects that are
-        alike are to be told apart.
+        Share of what it does by which a machine may be off its formula, one standard deviation.
     starts : tuple of dict of str to float
         Parameters from which a fit may start besides the typical ones: where the error has
         several valleys, one of them must lie in each.
@@ -147,7 +147,7 @@ class Effect:
     shows_in: tuple[str, ...] = ()
     also: tuple[tuple[str, Callable[..., float]], ...] = ()
     alike: tuple[str, ...] = ()
-    formula_error: float = 0.18
+    formula_error: float = FORMULA_ERROR
     starts: tuple[dict[str, float], ...] = ()
     order: str = ''
     swings: Callable[[Mapping[str, float], int], tuple[float, dict[str, float]]] | None = None

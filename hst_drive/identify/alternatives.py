@@ -3,10 +3,10 @@
 """What could stand in the place of an effect that was found."""
 from __future__ import annotations
 
-from math import log
 from typing import Sequence
 
 from hst_drive.effects import catalogue
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.search import at_its_end, Candidate, Search
 from hst_drive.identify.weigh import log_odds
@@ -14,7 +14,6 @@ import numpy as np
 
 _RIVALS_TRIED = 6
 _NEARLY = 0.1       # of what the best takes away: who leaves no more is tried, too
-CREDIBLE = log(1000.0)  # natural logarithm of the odds from which on a rival is told no more
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:

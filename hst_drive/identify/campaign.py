@@ -98,7 +98,7 @@ class Campaign:
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive
         self.floors = self._floors()
-        self._judging: dict[str, Campaign] = {}     # by model
+        self._own_floors: dict[str, list[dict[str, float]]] = {}    # by model
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._weights = [
@@ -175,15 +175,6 @@ class Campaign:
         return not parameter.fixed and (parameter.whole_drive
                                         or parameter.recorded_in(self.signals))
 
-    @staticmethod
-    def alike(column: Column, chosen: np.ndarray, moved: np.ndarray, more: np.ndarray) -> float:
-        """
-        Return which share of what an effect does (``more``) others could do in another form.
-
-        What they do (``moved``) shapes a replay long after: here any of it.
-        """
-        return 1.0
-
     def scatter(self, name: str, held_out: bool | None = True) -> float:
         """
         Return how far the squared noise ratio of a perfect model may be off by chance.
@@ -236,7 +227,7 @@ class Campaign:
     def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
         part = copy.copy(self)
-        part._judging = {}
+        part._own_floors = {}
         part._weights = [(np.abs(weight) if all_to_fit else weight) * wanted(log)
                          for log, weight in enumerate(self._weights)]
         part.columns = columns(self.replays, self.floors, part._weights)
@@ -249,7 +240,7 @@ class Campaign:
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""
         other = copy.copy(self)
-        other._judging = {}
+        other._own_floors = {}
         other.replays = [copy.copy(replay) for replay in self.replays]
         return other
 
@@ -271,15 +262,21 @@ class Campaign:
             drive.switch_on(name, values)
         return drive
 
+    def floors_of(self, model: Model) -> list[dict[str, float]]:
+        """Return the floors, log by log, of a drive that is as this model says."""
+        key = repr(model)
+        if key not in self._own_floors:
+            own = copy.copy(self)
+            own.judge = self.driver(model)
+            self._own_floors[key] = own._floors()
+        return self._own_floors[key]
+
     def judging(self, model: Model) -> Campaign:
         """Return the campaign with the floors of a drive that is as this model says."""
-        key = repr(model)
-        if key not in self._judging:
-            own = self._judging[key] = copy.copy(self)
-            own.judge = self.driver(model)
-            own.floors = own._floors()
-            own.columns = columns(self.replays, own.floors, self._weights)
-        return self._judging[key]
+        own = copy.copy(self)
+        own.judge, own.floors = self.driver(model), self.floors_of(model)
+        own.columns = columns(self.replays, own.floors, self._weights)
+        return own
 
     def errors(self, model: Model, *, to_fit: bool = False,
                known: Sequence[np.ndarray] | None = None) -> list[np.ndarray]:

@@ -18,8 +18,10 @@ as one, and that to a power below 1, since no noise is known as well as its form
 from __future__ import annotations
 
 from functools import lru_cache
+from math import log
 from typing import Collection, Mapping, NamedTuple, Sequence
 
+from hst_drive.effects.base import FORMULA_ERROR
 import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.special import logsumexp
@@ -30,12 +32,12 @@ PIECE = 6.0         # s; three times what follows
 _SMOOTH = 2.0       # s, over which a discrepancy is alike: it goes with the operating point
 _TAIL = 30.0        # samples by which the scale of a piece is known
 _BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
-_SHARE = 0.1        # of what effects do, by which formulas are off machines
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
 _USUAL = 3.0        # typical sizes, within which half of all effects lie
-DECIDED = 3.0       # odds that the tests over held-out blocks are right
+DECIDED = 3.0       # odds from which on evidence decides (Kass and Raftery)
+CREDIBLE = log(1000.0)  # natural logarithm of the odds from which on a rival is told no more
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
 
@@ -72,7 +74,8 @@ class Explanation(NamedTuple):
 
     ``penalty`` is the logarithm of the priors' density at the fit times the volume of its
     posterior (``laplace``). So many of the effects are ``known``: of a machine that has a fault it
-    is likelier that this grows than that any other one comes up.
+    is likelier that this grows than that any other one comes up. Machines are off their formulas
+    by the ``share`` of what they do.
     """
 
     effects: tuple[str, ...]
@@ -80,6 +83,7 @@ class Explanation(NamedTuple):
     penalty: float
     listed: bool = True
     known: int = 0
+    share: float = FORMULA_ERROR
 
 
 class Probability(NamedTuple):
@@ -121,18 +125,20 @@ def covariance(sensor: Sensor, count: int) -> np.ndarray:
     return np.asarray(sensor.white * np.eye(count) + sensor.coloured * alike)
 
 
-def likelihoods(pieces: Sequence[np.ndarray], sensor: Sensor) -> np.ndarray:
+def likelihoods(pieces: Sequence[np.ndarray], sensor: Sensor,
+                expected: bool = False) -> np.ndarray:
     """
     Return the log likelihood of a signal for each size that a discrepancy may have (``_SIZES``).
 
-    A multivariate Student-t over each piece, up to a number that all explanations share.
+    A multivariate Student-t over each piece, up to a number that all explanations share; with
+    ``expected`` of errors that come on top of such noise as there will be.
     """
     total = np.zeros(len(_SIZES))
     for errors in pieces:
         count, length = errors.shape
         power, whiten, volume = _modes(sensor, length)
         grown = 1.0 + _SIZES[:, None]**2 * power
-        squares = (errors @ whiten.T)**2 @ (1.0 / grown).T
+        squares = ((errors @ whiten.T)**2 + expected) @ (1.0 / grown).T
         total -= 0.5 * ((_TAIL + length) * np.log1p(squares / _TAIL).sum(axis=0)
                         + count * (np.log(grown).sum(axis=1) + volume))
     return total
@@ -227,7 +233,7 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
     alone = beside = 0.0
     for name, signal in entry.signals.items():
         likely = likelihoods(signal.pieces, sensors[name])
-        formula = likely + _as_share(float(np.hypot(_BASELINE, _SHARE * signal.moved)))
+        formula = likely + _as_share(float(np.hypot(_BASELINE, entry.share * signal.moved)))
         alone += float(logsumexp(formula))
         # Each signal shows it or does not.
         beside += float(logsumexp([*formula, *(likely + _of_any_size())])) - float(np.log(2.0))
@@ -236,6 +242,18 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
     before = entry.penalty - count * float(np.log(max(candidates, 1)))
     alone, beside = (before + weight(len(entry.signals)) * value for value in (alone, beside))
     return (alone, beside) if entry.listed else (-np.inf, alone)
+
+
+def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
+                  share: float) -> float:
+    """Return the log odds that are to come against what is off by so much, beside the truth."""
+    total = 0.0
+    for name, signal in signals.items():
+        own = _as_share(float(np.hypot(_BASELINE, share * signal.moved)))
+        right, wrong = (logsumexp(own + likelihoods(pieces, sensors[name], True)) for pieces in (
+            [np.zeros_like(errors) for errors in signal.pieces], signal.pieces))
+        total += float(right - wrong)
+    return weight(len(signals)) * total
 
 
 def _as_share(scale: float) -> np.ndarray:

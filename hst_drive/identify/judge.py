@@ -18,12 +18,10 @@ if TYPE_CHECKING:
     from hst_drive.identify.fit import Fit
 
 PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
-IN_SAMPLE = 0.3        # the same on data that was fitted, where held-out data cannot show it
 IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
-NEAR_NOISE = 2.0        # times that where nothing is unexplained: only chance and form are left
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
@@ -89,22 +87,15 @@ def excess(ratios: Mapping[str, float]) -> float:
     return sum(max(value**2 - 1.0, 0.0) for value in ratios.values())
 
 
-def contribution(campaign: Campaign, base: Fit, model: Fit, held_out: bool | None = True,
-                 added: Fit | None = None) -> dict[str, float]:
-    """
-    Return what the effects of a model do to each signal, rms in floors.
-
-    With ``added``, a fit with more effects: as far as what those add could be another form of it.
-    """
+def contribution(campaign: Campaign, base: Fit, model: Fit,
+                 held_out: bool | None = True) -> dict[str, float]:
+    """Return what the effects of a model do to each signal, rms in floors."""
     total: dict[str, list[float]] = {}
-    for place, (first, second, column) in enumerate(zip(
-            base.errors, model.errors, campaign.columns)):
+    for first, second, column in zip(base.errors, model.errors, campaign.columns):
         chosen = column.rows(held_out)
         moved = ((first - second) * column.trust)[chosen]
         entry = total.setdefault(column.signal, [0.0, 0.0])
-        alike = 1.0 if added is None else campaign.alike(
-            column, chosen, moved, ((second - added.errors[place]) * column.trust)[chosen])
-        entry[0] += alike * float(moved @ moved)
+        entry[0] += float(moved @ moved)
         entry[1] += len(moved)
     return {name: float(np.sqrt(power / count)) if count else 0.0
             for name, (power, count) in total.items()}
@@ -114,40 +105,6 @@ def unharmed(found: Gain) -> bool:
     """Say whether no signal gets significantly worse."""
     return all(value > -SIGNIFICANT or found.share[name] > -0.5 * PRACTICAL
                for name, value in found.sigma.items())
-
-
-def worthwhile(found: Gain, done: Mapping[str, float], least: float = PRACTICAL,
-               form: float = FORM_SHARE) -> bool:
-    """
-    Say whether a gain is significant and large enough to name an effect for.
-
-    Parameters
-    ----------
-    found : Gain
-        What the additional effect gains.
-    done : mapping of str to float
-        ``contribution`` of the effects that are in already.
-    least : float
-        Share of the squared error that must go.
-    form : float
-        Share of what is in already by which that may be off its formula.
-
-    """
-    return any(found.sigma[name] >= SIGNIFICANT and found.share[name] >= least
-               and found.amount[name] >= (form * done.get(name, 0.0))**2
-               for name in found.share)
-
-
-def worthwhile_in_part(found: Gain, done: Mapping[str, float],
-                       form: float = FORM_SHARE) -> bool:
-    """
-    Say whether a gain on fitted logs is worth a name where held-out ones cannot show it.
-
-    A few great steps may be all that shows an effect: then blocks are counted, not measured.
-    """
-    return worthwhile(found, done, IN_SAMPLE, form) or (
-        unharmed(found)
-        and worthwhile(found._replace(sigma=found.votes), done, IN_EVENTS, form))
 
 
 def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:

@@ -9,7 +9,7 @@ from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import (
     BLOCK, Campaign, ELSEWHERE, EVENTS, Model, SETTLE)
-from hst_drive.identify.columns import Column, columns
+from hst_drive.identify.columns import columns
 from hst_drive.identify.observable import unread
 from hst_drive.measure.balances import is_part, TORQUES
 from hst_drive.measure.circuit import part_replay
@@ -172,16 +172,6 @@ class PartCampaign(Campaign):
             return self.rig.circuit != OPEN and not parameter.fixed or any(
                 entry.needs in self.signals for entry in effect.parameters)
         return parameter.recorded_in(self.signals)
-
-    def alike(self, column: Column, chosen: np.ndarray, moved: np.ndarray,
-              more: np.ndarray) -> float:
-        """Return it where nothing is replayed: another form is a factor on what others do."""
-        power = float(more @ more)
-        if not power:
-            return 1.0
-        forms = self.replays[column.log].even[chosen] * moved[:, None]
-        left = more - forms @ np.linalg.lstsq(forms, more, rcond=None)[0]
-        return 1.0 - float(left @ left) / power
 
     def scatter(self, name: str, held_out: bool | None = True) -> float:
         """Return two standard errors of the squared noise ratio on held-out samples."""

@@ -3,8 +3,8 @@
 """
 The search for what is missing: every candidate is fitted, the best are combined.
 
-Forward with a small beam, then backward, judged on held-out data. What could stand in the place
-of an effect that was found is tried afterwards (``decide``) and told as its rival.
+Forward with a small beam: an effect more as long as the evidence decides for it. What stands of
+that is asked afterwards (``standing``), and what could stand in its place (``alternatives``).
 """
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.effects import catalogue
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.fit import at_its_end, Fit, fit, score
 from hst_drive.identify.judge import (
-    contribution, FORM_SHARE, Gain, gain, NEAR_NOISE, parts, PRACTICAL, SIGNIFICANT, unexplained,
-    unharmed, worthwhile, worthwhile_in_part)
+    contribution, Gain, gain, parts, PRACTICAL, SIGNIFICANT, unexplained, unharmed)
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of
 from hst_drive.identify.starts import starts
+from hst_drive.identify.weigh import flexible, log_odds
 from hst_drive.measure.threads import each
 import numpy as np
 
@@ -28,10 +29,10 @@ MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
 _EXCHANGED = 3
-_AGREED = 2.0   # standard errors on held-out data, where fitted data have SIGNIFICANT
+_HELD_OUT = 2.0     # standard errors there, where fitted data have SIGNIFICANT
+_FORM = 0.2         # of what is in already: below, it may be another form of that
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
-_NEARLY = 1.2       # of the best set's score
 _ROUNDS = 5
 _NEW_VALLEY = 0.95      # of the score: usual shapes that gain more opened the way for others
 _HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
@@ -131,7 +132,7 @@ class Search:
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""
         score = self.score(found)
-        if any(at_its_end(self.campaign, found.model, name) for name in names):
+        if self._ended(names, found):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
@@ -149,65 +150,34 @@ class Search:
         moved = [one - other for one, other in zip(first, last)]
         return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
 
-    def worthwhile(self, before: Candidate, after: Candidate) -> bool:
-        """
-        Say whether what the second has more is worth naming.
+    def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
+        """Return the log odds of candidates against another; none if an effect is at its end."""
+        ended = [self._ended(entry.names, entry.fit) for entry in after]
+        return np.where(ended, -np.inf, log_odds(self, [before, *after])[1:])
 
-        Held-out logs may not visit where an effect shows: then a large gain on the logs that were
-        fitted counts, if nothing gets worse on the others.
+    def asked(self, before: Candidate, after: Candidate) -> bool:
         """
-        held_out = self.gain(before, after)
-        return worthwhile(held_out, self.done(before, after)) or self._on_fitted(
-            before, after, held_out, self.gain(before, after, False))
+        Say whether the logs ask for what the second candidate has more: they are far likelier.
 
-    def _on_fitted(self, before: Candidate, after: Candidate, held_out: Gain, fitted: Gain,
-                   form: float = FORM_SHARE) -> bool:
-        return unharmed(held_out) and worthwhile_in_part(fitted, contribution(
-            self.campaign, self.bare, before.fit, False, after.fit), form)
-
-    def agreed(self, before: Candidate, after: Candidate) -> bool:
+        Where nothing is unexplained short events may, for which the evidence is too careful.
         """
-        Say whether held-out and fitted logs both ask for what the second has more.
+        return bool(self.odds(before, [after])[0] > CREDIBLE) or (
+            not self.unexplained(before) and self._shown(before, after))
 
-        Asked where nothing is unexplained: chance and form have more to choose from. A large gain
-        on the logs that were fitted will do, as it does for ``worthwhile``.
-        """
-        held_out, fitted = self.gain(before, after), self.gain(before, after, False)
-        lent = self._lent(before, after)
-        if lent and not any(found.share[name] >= PRACTICAL and found.amount[name] >= lent[name]
-                            for found in (held_out, fitted) for name in found.share):
-            return False
-        done = self.done(before, after)
-        form = NEAR_NOISE * FORM_SHARE
-        if self._on_fitted(before, after, held_out, fitted, form):
-            return True
+    def _shown(self, before: Candidate, after: Candidate) -> bool:
+        """Say whether held-out and fitted errors both hold what the second candidate moves."""
+        if flexible({*after.names} - {*before.names}):
+            return False    # its load follows rough rock better whether it is there or not
+        held_out, fitted = (self.gain(before, after, part) for part in (True, False))
+        done = contribution(self.campaign, self.bare, before.fit)
         return unharmed(held_out) and unharmed(fitted) and any(
             min(held_out.share[name], fitted.share[name]) >= PRACTICAL
-            and held_out.shown[name] >= _AGREED and fitted.shown[name] >= SIGNIFICANT
-            and held_out.amount[name] >= (form * done[name])**2
+            and held_out.shown[name] >= _HELD_OUT and fitted.shown[name] >= SIGNIFICANT
+            and held_out.amount[name] >= (_FORM * done[name])**2
             for name in held_out.share if name in fitted.share)
 
-    def _lent(self, before: Candidate, after: Candidate) -> dict[str, float]:
-        """
-        Return what the load's roughness makes of each signal's error, in squared floors.
-
-        Empty but where only the second has a flexible shaft: the load behind that is found with
-        the measured speed, and follows rough rock better whether there is such a shaft or not.
-        """
-        flexible = [any(catalogue(everything=True)[name].slot == 'shaft_compliance'
-                        for name in entry.names) for entry in (before, after)]
-        if flexible != [False, True]:
-            return {}
-        shares: dict[str, list[float]] = {}
-        for column in self.campaign.columns:
-            noise = self.campaign.replays[column.log].noise[column.signal]
-            shares.setdefault(column.signal, []).append(1.0 - (noise * column.scale)**2)
-        return {name: float(np.mean(values)) for name, values in shares.items()}
-
-    def done(self, candidate: Candidate, after: Candidate | None = None) -> dict[str, float]:
-        """Return what the effects, those that the rig has adopted too, do to each signal."""
-        return contribution(self.campaign, self.bare, candidate.fit,
-                            added=after.fit if after else None)
+    def _ended(self, names: Sequence[str], found: Fit) -> bool:
+        return any(at_its_end(self.campaign, found.model, name) for name in names)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
@@ -268,50 +238,44 @@ class Search:
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
 
-    def _extend_all(self, beam: Sequence[Candidate]) -> list[Candidate]:
+    def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
+        """Return what leads on from ``best`` by way of a beam, which may be that alone."""
+        # Short events may ask for one more effect though the whole is near the noise.
+        least = 0.0 if self.unexplained(best) else _HOPE
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
-        return sorted((entry for candidate in standing for entry in self.extend(candidate)),
-                      key=lambda item: item.score)
+        return [entry for candidate in standing for entry in self.extend(candidate, least)]
 
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
-        best, beam = self.baseline, self.singles()[:_BEAM]
-        asked = self.worthwhile if self.unexplained(best) else self.agreed
-        while beam:
+        best, level = self.baseline, self.singles()
+        while level:
+            beam, odds = self.likeliest(best, level)
             # Which of two that are near each other is the better one their own Jacobians tell.
-            near = _NEARLY * min(beam[0].score, best.score)
-            beam = sorted((self.refine(entry) if entry.score <= near else entry
-                           for entry in beam), key=lambda item: item.score)
+            beam, _ = self.likeliest(best, [
+                self.refine(entry) if value >= odds[0] - CREDIBLE else entry
+                for entry, value in zip(beam, odds)])
             top = beam[0]
-            if top.score >= best.score or not asked(best, top):
-                top = self._together(best, beam)
-                if top is None:
+            if not self.asked(best, top):
+                # What resonates with the other (ripple on a soft shaft) shows only beside it.
+                level = [] if len(top.names) == MOST_EFFECTS else self._extended(best, beam)
+                if not level:
+                    break
+                top = self.refine(self.likeliest(best, level)[0][0])
+                if not self.asked(best, top):
                     break
             best = top
             if len(best.names) == MOST_EFFECTS:
                 break
-            if self.unexplained(best):
-                level, asked = self._extend_all(beam), self.worthwhile
-            else:
-                # Short events may ask for one more effect though the whole is near the noise.
-                level, asked = self.extend(best, _HOPE), self.agreed
-            beam = level[:_BEAM]
-        return self.prune(self.exchange(best))
+            level = self._extended(best, beam if self.unexplained(best) else [best])
+        return self.exchange(best)
 
-    def _together(self, best: Candidate, beam: Sequence[Candidate]) -> Candidate | None:
-        """
-        Return a set with two effects more where one alone does not help; None if there is none.
-
-        What resonates with the other (ripple on a soft shaft) shows only beside it.
-        """
-        if len(beam[0].names) == MOST_EFFECTS or not self.unexplained(best):
-            return None
-        level = self._extend_all(beam)
-        if not level:
-            return None
-        top = self.refine(level[0])
-        return top if top.score < best.score and self.worthwhile(best, top) else None
+    def likeliest(self, best: Candidate, level: Sequence[Candidate]
+                  ) -> tuple[list[Candidate], np.ndarray]:
+        """Return the most probable candidates, and the log odds of each against ``best``."""
+        odds = self.odds(best, level)
+        order = np.argsort(-odds)[:_BEAM]
+        return [level[place] for place in order], odds[order]
 
     def exchange(self, best: Candidate) -> Candidate:
         """Put others in the place of effects that were chosen when the rest was not there."""
@@ -325,20 +289,6 @@ class Search:
             top = min(found, key=lambda item: item.score, default=best)
             if top.score < best.score and (top := self.refine(top)).score < best.score:
                 return self.exchange(top)
-        return best
-
-    def prune(self, best: Candidate) -> Candidate:
-        """Take effects out again that are not needed beside the others."""
-        while len(best.names) > 1:
-            # Anew, since what goes may only have shown the way to a deeper valley.
-            fewer = self.try_all(
-                [(tuple(name for name in best.names if name != out), best.fit.without(out))
-                 for out in best.names], 'taking effects out', again=True)
-            fewer.sort(key=lambda item: item.score)
-            without = self.refine(fewer[0])
-            if self.worthwhile(without, best):
-                return best
-            best = without
         return best
 
 

@@ -3,17 +3,21 @@
 """What a search has fitted, as explanations that are weighed against each other (``evidence``)."""
 from __future__ import annotations
 
-from typing import Iterator, NamedTuple, Sequence
+from typing import Container, Iterable, Iterator, NamedTuple, Sequence, TYPE_CHECKING
 
+from hst_drive.effects import catalogue
+from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import (
-    BIN, evidence, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor, Signal,
-    weight)
+    BIN, evidence, expected_odds, Explanation, laplace, PIECE, Probability, probability, range_of,
+    Sensor, Signal, weight)
 from hst_drive.identify.fit import at_its_end, Fit
 from hst_drive.identify.part import PartCampaign
-from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
+
+if TYPE_CHECKING:
+    from hst_drive.identify.search import Candidate, Search
 
 _QUICK = 0.03   # s: with the right model pressure, flow and speed are alike for 0.01 to 0.04
 _ROUGH = 0.03   # of the squared floor: white noise that floors do not know
@@ -48,14 +52,77 @@ def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     return found - found[0]
 
 
+def log_odds_unlisted(search: Search, best: Candidate, fitted: Fit) -> float:
+    """Return how much more probable a fit of something unlisted is than a set."""
+    listed, other = _explanations(search, [
+        (names, search.campaign, fit, names is best.names)
+        for names, fit in ((best.names, best.fit), (_listed(search, fitted), fitted))])
+    sensors, count = _sensors(search.campaign), len(search.candidates)
+    return evidence(other, sensors, count)[1] - evidence(listed, sensors, count)[0]
+
+
 def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]
                   ) -> list[Explanation]:
     """Return explanations: effects, campaign in which they were fitted, fit, whether listed."""
     campaign = search.campaign
     pieces, base = list(_pieces(campaign)), _means(campaign, search.base.errors)
-    return [Explanation(names, _signals(campaign, pieces, base, fit), _penalty(own, fit), listed,
-                        len({*names} & {*campaign.adopted}))
+
+    def signals(fit: Fit) -> dict[str, Signal]:
+        moved = [one - other for one, other in zip(_means(campaign, fit.errors), base)]
+        return _signals(campaign, pieces, _means(campaign, _over_own(campaign, fit)), moved)
+
+    return [Explanation(names, signals(fit), _penalty(own, fit), listed,
+                        len({*names} & {*campaign.adopted}), formula_error(names))
             for names, own, fit, listed in fitted]
+
+
+def flexible(names: Iterable[str]) -> bool:
+    """Say whether one of some effects is a shaft that twists."""
+    known = catalogue(everything=True)
+    return any(known[name].slot == 'shaft_compliance' for name in names)
+
+
+def _over_own(campaign: Campaign, fit: Fit) -> Sequence[np.ndarray]:
+    """
+    Return the errors of a fit, over its own floors where these are lower.
+
+    The load behind a flexible shaft is found with the measured speed, and follows rough rock
+    better whether there is such a shaft or not.
+    """
+    if not flexible(fit.model.effects):
+        return fit.errors
+    own = campaign.floors_of(fit.model)
+    return [error * max(campaign.floors[column.log][column.signal]
+                        / own[column.log][column.signal], 1.0)
+            for error, column in zip(fit.errors, campaign.columns)]
+
+
+def formula_error(names: Iterable[str]) -> float:
+    """Return by which share of what they do effects may be off their formulas."""
+    known = catalogue(everything=True)
+    return max((known[name].formula_error for name in names), default=FORMULA_ERROR)
+
+
+class Expected:
+    """What a campaign would tell of two models."""
+
+    def __init__(self, campaign: Campaign):
+        self._campaign, self._sensors = campaign, _sensors(campaign)
+        self._pieces = list(_pieces(campaign))
+
+    def odds(self, left: Sequence[np.ndarray], moved: Sequence[np.ndarray],
+             signals: Container[str], share: float) -> float:
+        """
+        Return the log odds that are to come against a model, beside the truth.
+
+        ``left`` is what it is off by and ``moved`` what its effects do, over the floor: errors by
+        column as of ``Fit``. ``signals`` are those that are recorded, ``share`` as of
+        ``formula_error``.
+        """
+        found = _signals(self._campaign, self._pieces, *(
+            _means(self._campaign, values) for values in (left, moved)))
+        return expected_odds({name: signal for name, signal in found.items() if name in signals},
+                             self._sensors, share)
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:
@@ -91,17 +158,17 @@ def _pieces(campaign: Campaign) -> Iterator[_Piece]:
                 yield _Piece(place, stretch[start:start + most])
 
 
-def _signals(campaign: Campaign, pieces: Sequence[_Piece], base: Sequence[np.ndarray],
-             fitted: Fit) -> dict[str, Signal]:
-    means = _means(campaign, fitted.errors)
+def _signals(campaign: Campaign, pieces: Sequence[_Piece], left: Sequence[np.ndarray],
+             moved: Sequence[np.ndarray]) -> dict[str, Signal]:
+    """Return signals from means, by column, of what is left and of what effects move."""
     parts: dict[str, dict[int, list[np.ndarray]]] = {name: {} for name in campaign.signals}
-    moved: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in campaign.signals}
+    powers: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in campaign.signals}
     for place, bins in pieces:
         name = campaign.columns[place].signal
-        parts[name].setdefault(len(bins), []).append(means[place][bins])
-        moved[name].append(means[place][bins] - base[place][bins])
+        parts[name].setdefault(len(bins), []).append(left[place][bins])
+        powers[name].append(moved[place][bins]**2)
     return {name: Signal(tuple(map(np.array, lengths.values())),
-                         float(np.sqrt(np.mean(np.concatenate(moved[name])**2))))
+                         float(np.sqrt(np.mean(np.concatenate(powers[name])))))
             for name, lengths in parts.items() if lengths}
 
 

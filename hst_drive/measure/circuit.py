@@ -41,8 +41,6 @@ class CircuitReplay(PartReplay):
 
     """
 
-    pressures = ('line_a_pressure', 'line_b_pressure')
-
     def __init__(self, run: Run, model: CircuitModel):
         self._by_name = {entry.name: entry for entry in model.circuit.balances}
         self._judged: dict[str, np.ndarray] = {}

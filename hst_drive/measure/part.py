@@ -76,7 +76,6 @@ class PartReplay:
 
     """
 
-    pressures: tuple[str, ...] = PRESSURES
     doubts: dict[str, np.ndarray] = {}
 
     def __init__(self, run: Run, model: PartModel):
@@ -146,16 +145,6 @@ class PartReplay:
         """Whether the shaft turns both ways."""
         speed = self._channels.get('motor_speed', np.zeros(1))
         return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
-
-    @cached_property
-    def even(self) -> np.ndarray:
-        """Smooth functions of the operating point that take no notice of a direction, (n, k)."""
-        found = [np.ones(len(self.run))]
-        for name in (*self.pressures, 'motor_speed'):
-            if name in self._channels:
-                size = np.abs(self._channels[name]) / (self.usual(name) or 1.0)
-                found += [size, size**2]
-        return np.column_stack(found)
 
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""

@@ -12,7 +12,7 @@ from hst_drive.design.designer import Designer, Verified, worth
 from hst_drive.design.families import FAMILIES
 from hst_drive.design.rehearse import rehearse
 from hst_drive.design.rivals import by_name, matched, told_apart
-from hst_drive.design.separation import Difference, driver, expected_sigma, Pair
+from hst_drive.design.separation import Difference, driver, Pair
 from hst_drive.design.trials import (
     limits, plain_drilling, scenario, Segment, SPIN_UP, Trial)
 from hst_drive.diagnose.decide import diagnose
@@ -63,15 +63,6 @@ def test_the_same_seed_gives_the_same_trial():
     """A test can be repeated."""
     trial = Trial((Segment('load_steps', 7, 20.0), Segment('reversals', 8, 20.0)))
     assert scenario(trial, RIG, False) == scenario(trial, RIG, False)
-
-
-def test_expected_sigma_grows_with_blocks_and_size():
-    """No difference gives nothing; twice as long gives the root of two more."""
-    assert expected_sigma(np.zeros(30)) == pytest.approx(0.0, abs=1e-6)
-    assert expected_sigma(np.full(30, 0.01)) < expected_sigma(np.full(30, 0.1))
-    values = np.random.default_rng(1).exponential(1.0, 60)
-    once, twice = expected_sigma(values), expected_sigma(np.tile(values, 2))
-    assert twice == pytest.approx(once * np.sqrt(2), rel=0.02)
 
 
 @pytest.mark.needs_numba

@@ -26,13 +26,22 @@ def read_wrong(runs, signal, span=1.0, zero=0.0):
 
 
 @pytest.mark.parametrize('signal, span, zero', [
-    ('load_torque', 1.0, 6.0), ('motor_speed', 1.03, 0.0), ('pump_outlet_pressure', 0.94, 0.0)])
+    ('motor_speed', 1.03, 0.0), ('pump_outlet_pressure', 0.94, 0.0)])
 def test_a_sensor_wrong_in_zero_or_span_is_told_and_can_be_adopted(healthy, signal, span, zero):
     rig, runs, held = healthy
     found = diagnose(rig, *(read_wrong(logs, signal, span, zero) for logs in (runs, held)))
     assert found.verdict == 'unknown' and not found.effects
     assert (found.unknown.enters, found.unknown.signal) == ('sensor', signal)
     assert max(found.unknown.formula.after.values()) < 1.2
+
+
+def test_the_zero_of_the_torque_sensor_has_a_name(healthy):
+    rig, runs, held = healthy
+    found = diagnose(rig, *(read_wrong(logs, 'load_torque', zero=6.0) for logs in (runs, held)))
+    effect, = found.effects
+    assert (found.verdict, effect.id) == ('missing_effect', 'constant_torque')
+    torque = effect.parameters['torque']
+    assert torque.low < -6.0 < torque.high
 
 
 def test_a_wrong_number_of_the_datasheet_is_told(healthy):

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Probabilities of explanations against closed forms, other formulas and exact integrals."""
 from hst_drive.identify.evidence import (
-    BIN, covariance, Explanation, laplace, likelihoods, probability, range_of, Sensor, Signal)
+    BIN, covariance, DECIDED, evidence, expected_odds, Explanation, laplace, likelihoods,
+    probability, range_of, Sensor, Signal)
 import numpy as np
 import pytest
 from scipy.integrate import dblquad, quad
@@ -116,6 +117,21 @@ def test_an_effect_that_adds_nothing_is_less_probable_than_none():
     assert found.none > 9 * found.effects['leak'] and found.none > 3 * found.unknown
 
 
+def test_what_is_not_there_is_seldom_decided_for():
+    """Fitted to noise alone; 300 draws, an effect whose work is a wave of about its length."""
+    shape, won = WAVE / np.sqrt(np.sum(WAVE**2)), 0
+    for seed in range(300):
+        left = noise(seed)
+        size = float(np.sum(shape * left))
+        penalty = laplace(np.array([[np.sum(shape**2) / SENSOR.white]]), np.zeros(1, bool),
+                          np.array([range_of(size, True)]), np.array([size]))
+        alone, fitted = (evidence(entry, SENSORS, 30)[0] for entry in (
+            explanation((), left),
+            explanation(('leak',), left - size * shape, size * shape, penalty)))
+        won += fitted - alone > np.log(DECIDED)
+    assert won <= 1
+
+
 def test_what_is_known_of_a_machine_is_as_probable_beforehand_as_none():
     """Of equal fits; any other effect is one of as many as are searched for."""
     found = probability([explanation((), noise(4)), explanation(('leak',), noise(4), known=1),
@@ -181,3 +197,16 @@ def test_one_event_says_less_than_the_same_power_all_along():
         return second - first
 
     assert gained(event) < 0.8 * gained(steady)
+
+
+@pytest.mark.parametrize('size', [0.05, 0.2, 1.0])
+def test_the_odds_that_are_to_come_are_about_those_that_come(size):
+    """The truth leaves noise, the other model a part of a wave as well."""
+    known = {'speed': Signal((size * WAVE,), 1.0)}
+    come = []
+    for seed in range(40):
+        left = noise(seed)
+        right, wrong = (evidence(explanation(('leak',), errors, np.ones(1)), SENSORS, 1)[0]
+                        for errors in (left, left + size * WAVE))
+        come.append(right - wrong)
+    assert expected_odds(known, SENSORS, 0.1) == pytest.approx(np.mean(come), rel=0.1, abs=0.05)

@@ -1,8 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How models are judged block by block, on made-up blocks whose answer is known."""
-from hst_drive.design.separation import expected_sigma
-from hst_drive.identify.judge import gain, unharmed, worthwhile, worthwhile_in_part
+from hst_drive.identify.judge import gain, unharmed
 import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
@@ -37,15 +36,12 @@ def test_one_wild_block_does_not_decide():
     before['motor_speed'][7] += 1000.0
     found = gain(before, after)
     assert found.share['motor_speed'] > 0.9     # by the mean alone it would be named
-    assert not worthwhile(found, {})
+    assert found.sigma['motor_speed'] < 3.0
 
 
-@pytest.mark.parametrize('better, worse, expected', [
-    (12, 0, True),      # in half a minute of three all is better where anything happens
-    (3, 0, False),      # three blocks may be chance
-    (12, 5, False),     # so may twelve beside five that get as much worse
-])
-def test_events_are_counted(better, worse, expected):
+@pytest.mark.parametrize('better, worse', [(12, 0), (3, 0), (12, 5)])
+def test_events_are_counted(better, worse):
+    """In units of what a fair coin for each block that changes would scatter by."""
     before, after, _ = blocks(90, 0.0, scatter=0.05)
     before['motor_speed'][:better] += 50.0
     after['motor_speed'][better:better + worse] += 50.0
@@ -53,7 +49,6 @@ def test_events_are_counted(better, worse, expected):
     assert found.sigma['motor_speed'] < 3.0
     assert found.votes['motor_speed'] == pytest.approx(
         (better - worse) / (better + worse)**0.5)
-    assert worthwhile_in_part(found, {}) is expected
 
 
 def test_missing_blocks_are_left_out_and_two_are_too_few():
@@ -65,33 +60,9 @@ def test_missing_blocks_are_left_out_and_two_are_too_few():
     assert gain(before, after).sigma == {}
 
 
-@pytest.mark.parametrize('fall, done, expected', [
-    (0.5, 0.0, True),       # a third of the squared error, far beyond chance
-    (0.05, 0.0, False),     # significant, but a twentieth: not worth a name
-    (0.5, 20.0, False),     # less than a tenth of what others do there: their formula's error
-])
-def test_what_is_worth_a_name(fall, done, expected):
-    found = gain(*blocks(400, fall, scatter=0.1)[:2])
-    assert found.sigma['motor_speed'] > 3.0
-    assert worthwhile(found, {'motor_speed': done}) is expected
-
-
 def test_a_signal_that_gets_worse_is_harmed():
     before, after, _ = blocks(40, 0.5)
     assert unharmed(gain(before, after)) and not unharmed(gain(after, before))
-
-
-def test_the_expected_significance_is_about_what_comes():
-    """A difference of half a floor (rms), in 90 blocks of which a third judge."""
-    random = np.random.default_rng(4)
-    independent, size = 20, 0.5
-    reached = []
-    for _ in range(200):
-        noise = random.standard_normal((30, independent))
-        one = np.mean(noise**2, axis=1)
-        other = np.mean((noise + size)**2, axis=1)
-        reached.append(gain({'a': other}, {'a': one}).sigma['a'])
-    assert expected_sigma(np.full(90, size**2)) == pytest.approx(np.median(reached), rel=0.35)
 
 
 def moves(count, slope, seed, where):
