@@ -55,8 +55,8 @@ def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
 def log_odds_unlisted(search: Search, best: Candidate, fitted: Fit) -> float:
     """Return how much more probable a fit of something unlisted is than a set."""
     listed, other = _explanations(search, [
-        (names, search.campaign, fit, names is best.names)
-        for names, fit in ((best.names, best.fit), (_listed(search, fitted), fitted))])
+        (best.names, search.campaign, best.fit, True),
+        (_listed(search, fitted), search.campaign, fitted, False)])
     sensors, count = _sensors(search.campaign), len(search.candidates)
     return evidence(other, sensors, count)[1] - evidence(listed, sensors, count)[0]
 
