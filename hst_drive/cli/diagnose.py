@@ -4,7 +4,7 @@
 The verb ``diagnose``: which physical effect the model lacks.
 
 The logs are one campaign of one drive. The unit is calibrated within its tolerances, every
-effect of the catalogue is fitted, and all are judged on data that was not used for fitting.
+effect of the catalogue is fitted, and all are weighed; held-out errors are told.
 With --since it says what has changed since older logs of the same machine: by how much, and what
 the older ones never visited.
 """

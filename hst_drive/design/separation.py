@@ -83,7 +83,7 @@ class Rehearsal:
         self.vectors = [unknowns.pack(model) for unknowns, model in zip(self.unknowns, models)]
         count = self.unknowns[0].factors
         base = campaign.errors(models[0])
-        self._bare = campaign.errors(common)
+        self._bare = campaign.errors(Model({}, models[0].factors))
         self._shifts = [campaign.errors(model) if place else base
                         for place, model in enumerate(models)]
         factors = [self._derivative(campaign, 0, k, base) for k in range(count)]

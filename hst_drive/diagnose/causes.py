@@ -110,7 +110,7 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
     other = Candidate((), alone, search.score(alone))
     if len(best.names) < 2:
         return _relieves(search, other, best, freed) and not search.unexplained(other)
-    return as_much(search, best, alone)
+    return as_much(search, best, alone, freed)
 
 
 def _relieves(search: Search, alone: Candidate, best: Candidate, freed: Campaign) -> bool:
@@ -133,7 +133,7 @@ def misreadings(campaign: Campaign) -> Iterator[Freer]:
 
 def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
     """Yield readings that are wrong in zero and span, but for that of which an effect says so."""
-    said = {catalogue()[name].slot for name in best.names if len(best.names) == 1}
+    said = {catalogue()[name].slot for name in best.names} if len(best.names) == 1 else {}
     for freer in misreadings(search.campaign):
         if FORMULAS[freer.formula].slot in said:
             continue

@@ -19,7 +19,7 @@ import numpy as np
 def after_tests(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
                 verdict: str) -> Probability:
     """
-    Return how probable each set is, given what the tests over held-out blocks decided as well.
+    Return how probable each set is, given the answer, too: it knows which rows were held out.
 
     ``rivals`` are what could stand in the place of each effect of the set that was found.
     """
@@ -34,17 +34,18 @@ def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tupl
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
     """
-    Return an effect that is likelier than a unit at limits of its tolerances, if not far likelier.
+    Return an effect that stands where nothing was found and the unit is at limits.
 
-    It takes the unit off a limit and leaves nothing; None if there is none.
+    It is likelier, takes the unit off one and leaves nothing; None if there is none.
     """
     strained = limited(search.campaign, best.fit)
-    if best.names or not strained:
+    if best.names or not strained or not search.candidates:
         return None
     (top, *_), _ = search.likeliest(best, search.singles())
     top = search.refine(top)
-    relieved = limited(search.campaign, top.fit) < strained and not search.unexplained(top)
-    return top if relieved and search.odds(best, [top])[0] > log(DECIDED) else None
+    stands = limited(search.campaign, top.fit) < strained and not search.unexplained(top) and (
+        search.odds(best, [top])[0] > log(DECIDED) and standing(search, top).names == top.names)
+    return top if stands else None
 
 
 def likeliest(search: Search, best: Candidate,

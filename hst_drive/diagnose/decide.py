@@ -109,6 +109,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         best, order = first, _order(search, first)
     if or_none:
         rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
+    campaign = search.campaign      # its recordings may have been turned again
     ladder = _ladder(search, best, order, sheet)
     sized, sizes = settled(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}

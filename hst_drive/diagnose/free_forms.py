@@ -101,10 +101,10 @@ def sure(search: Search, best: Candidate, trial: Fit) -> tuple[str, float] | Non
     return beaten(search, min(best, again, key=lambda item: item.score), trial)
 
 
-def as_much(search: Search, best: Candidate, trial: Fit) -> bool:
-    """Say whether a trial leaves nothing, and nothing of several effects is needed beside it."""
+def as_much(search: Search, best: Candidate, trial: Fit, campaign: Campaign) -> bool:
+    """Say whether a trial, fitted in a campaign, leaves nothing and a set is not far likelier."""
     return not search.unexplained(best._replace(fit=trial)) and log_odds_unlisted(
-        search, best, trial) >= -CREDIBLE
+        search, best, campaign, trial) >= -CREDIBLE
 
 
 def much_left(search: Search, best: Candidate, fitted: Fit, rest: float = REST) -> bool:

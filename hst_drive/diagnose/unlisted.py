@@ -112,7 +112,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     gained = sure(search, best, trial.fit)
     # Of what explains as much one cause is a better answer than several.
     if not gained and (score(search.campaign, trial.fit) >= best.score
-                       or not as_much(search, best, trial.fit)):
+                       or not as_much(search, best, trial.fit, search.campaign)):
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
     more = f'leaves {share_of(gained)}' if gained else 'explains as much alone'

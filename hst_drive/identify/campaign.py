@@ -37,7 +37,7 @@ SETTLE = 0.3            # s left out at the start of a log: the first state is n
 FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
-_LOST = 1e4             # floors: the error of a model that left all bounds
+_LOST = 1e8             # floors: the error of a model that left all bounds
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 ELSEWHERE = 'has no place in this circuit'
 

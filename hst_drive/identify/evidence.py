@@ -36,8 +36,9 @@ _BASELINE = 0.2     # floors, by which the datasheet's curves are off between th
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
 _USUAL = 3.0        # typical sizes, within which half of all effects lie
-DECIDED = 3.0       # odds from which on evidence decides (Kass and Raftery)
-CREDIBLE = log(1000.0)  # natural logarithm of the odds from which on a rival is told no more
+DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass and Raftery)
+# Natural logarithm of the odds from which on an effect is named, and a rival is told no more.
+CREDIBLE = log(1000.0)
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
 
@@ -246,7 +247,9 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
 
 def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
                   share: float) -> float:
-    """Return the log odds that are to come against what is off by so much, beside the truth."""
+    """Return the expected log odds of the truth over a model that leaves ``signals``."""
+    if not signals:
+        return 0.0
     total = 0.0
     for name, signal in signals.items():
         own = _as_share(float(np.hypot(_BASELINE, share * signal.moved)))
@@ -271,9 +274,9 @@ def _of_any_size() -> np.ndarray:
 def decided(found: Probability, verdict: str,
             named: Collection[tuple[str, ...]]) -> Probability:
     """
-    Return probabilities that know what the tests over held-out blocks decided.
+    Return probabilities that know the answer.
 
-    The likelihood does not know which logs judged; ``verdict`` and the sets that are ``named`` do.
+    The likelihood does not know which rows were held out; ``verdict`` and what is ``named`` do.
     They multiply the odds of what they say, and make it at least as probable as not.
     """
     unknown = verdict == 'unknown'

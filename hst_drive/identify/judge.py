@@ -1,11 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Whether one model is better than another on data that neither was fitted to.
+What a model leaves of the recordings, and how surely another leaves less.
 
 Errors of a replay are correlated over many samples, so that statistics of independent samples
-find effects everywhere. Here a sample is a block of two seconds, models are compared block by
-block, and an improvement must be both significant and large enough to matter.
+find effects everywhere. Here a sample is a block of two seconds, and models are compared block by
+block.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ import numpy as np
 if TYPE_CHECKING:
     from hst_drive.identify.fit import Fit
 
-PRACTICAL = 0.10        # share of the held-out squared error that an effect must remove
+PRACTICAL = 0.10        # share of the squared error that is worth a name
 IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
@@ -26,7 +26,7 @@ AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 _CLEAR = 0.5            # squared floors, by which a block's error clearly changes
-SIGNIFICANT = 3.0       # standard errors; covers some thirty candidates
+SIGNIFICANT = 3.0       # standard errors
 
 
 class Gain(NamedTuple):

@@ -151,7 +151,7 @@ class Search:
         return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
 
     def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
-        """Return the log odds of candidates against another; none if an effect is at its end."""
+        """Return the log odds of candidates against another; -inf with an effect at its end."""
         ended = [self._ended(entry.names, entry.fit) for entry in after]
         return np.where(ended, -np.inf, log_odds(self, [before, *after])[1:])
 
@@ -161,8 +161,9 @@ class Search:
 
         Where nothing is unexplained short events may, for which the evidence is too careful.
         """
-        return bool(self.odds(before, [after])[0] > CREDIBLE) or (
-            not self.unexplained(before) and self._shown(before, after))
+        odds = float(self.odds(before, [after])[0])
+        return odds > CREDIBLE or (
+            odds > -np.inf and not self.unexplained(before) and self._shown(before, after))
 
     def _shown(self, before: Candidate, after: Candidate) -> bool:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""
@@ -244,7 +245,8 @@ class Search:
         least = 0.0 if self.unexplained(best) else _HOPE
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
-        return [entry for candidate in standing for entry in self.extend(candidate, least)]
+        return [*{entry.names: entry for candidate in standing
+                  for entry in self.extend(candidate, least)}.values()]
 
     def run(self) -> Candidate:
         """Return the set of effects that the data ask for; it may be empty."""
@@ -264,6 +266,7 @@ class Search:
                 top = self.refine(self.likeliest(best, level)[0][0])
                 if not self.asked(best, top):
                     break
+                beam = [top]
             best = top
             if len(best.names) == MOST_EFFECTS:
                 break

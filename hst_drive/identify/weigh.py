@@ -52,11 +52,11 @@ def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     return found - found[0]
 
 
-def log_odds_unlisted(search: Search, best: Candidate, fitted: Fit) -> float:
-    """Return how much more probable a fit of something unlisted is than a set."""
+def log_odds_unlisted(search: Search, best: Candidate, campaign: Campaign, fitted: Fit) -> float:
+    """Return the log odds of something unlisted, fitted in a campaign, against a set."""
     listed, other = _explanations(search, [
         (best.names, search.campaign, best.fit, True),
-        (_listed(search, fitted), search.campaign, fitted, False)])
+        (_listed(search, fitted), campaign, fitted, False)])
     sensors, count = _sensors(search.campaign), len(search.candidates)
     return evidence(other, sensors, count)[1] - evidence(listed, sensors, count)[0]
 

@@ -41,7 +41,7 @@ def test_the_zero_of_the_torque_sensor_has_a_name(healthy):
     effect, = found.effects
     assert (found.verdict, effect.id) == ('missing_effect', 'constant_torque')
     torque = effect.parameters['torque']
-    assert torque.low < -6.0 < torque.high
+    assert torque.low < -6.0 < torque.high and effect.parameters['in_sensor'].value == 1.0
 
 
 def test_a_wrong_number_of_the_datasheet_is_told(healthy):
