@@ -8,12 +8,13 @@ that is asked afterwards (``standing``), and what could stand in its place (``al
 """
 from __future__ import annotations
 
+from math import log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.evidence import CREDIBLE
+from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import at_its_end, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, Gain, gain, parts, PRACTICAL, SIGNIFICANT, unexplained, unharmed)
@@ -157,13 +158,15 @@ class Search:
 
     def asked(self, before: Candidate, after: Candidate) -> bool:
         """
-        Say whether the logs ask for what the second candidate has more: they are far likelier.
+        Say whether the logs ask for what the second candidate has more: they are likelier.
 
-        Where nothing is unexplained short events may, for which the evidence is too careful.
+        Far likelier where nothing is unexplained. There short events may ask for it as well, for
+        which the evidence is too careful.
         """
         odds = float(self.odds(before, [after])[0])
-        return odds > CREDIBLE or (
-            odds > -np.inf and not self.unexplained(before) and self._shown(before, after))
+        if self.unexplained(before):
+            return odds > log(DECIDED)
+        return odds > CREDIBLE or odds > -np.inf and self._shown(before, after)
 
     def _shown(self, before: Candidate, after: Candidate) -> bool:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""
