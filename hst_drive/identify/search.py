@@ -160,12 +160,14 @@ class Search:
         """
         Say whether the logs ask for what the second candidate has more: they are likelier.
 
-        Far likelier where nothing is unexplained. There short events may ask for it as well, for
-        which the evidence is too careful.
+        What leaves nothing unexplained need not be likelier, if the evidence does not speak
+        against it. Where nothing was, it must be far likelier; there short events may ask for it
+        as well, for which the evidence is too careful.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
-            return odds > log(DECIDED)
+            return odds > log(DECIDED) or (
+                odds > -log(DECIDED) and not self.unexplained(after))
         return odds > CREDIBLE or odds > -np.inf and self._shown(before, after)
 
     def _shown(self, before: Candidate, after: Candidate) -> bool:
