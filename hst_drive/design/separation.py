@@ -16,11 +16,11 @@ from typing import Container, Iterable, NamedTuple, Sequence
 from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.design.trials import SPIN_UP
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.columns import Column
-from hst_drive.identify.evidence import CREDIBLE
-from hst_drive.identify.search import at_its_end, Candidate, Search
+from hst_drive.identify.evidence import CREDIBLE, expected_odds
+from hst_drive.identify.fit import ended
+from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
-from hst_drive.identify.weigh import Expected, formula_error, log_odds
+from hst_drive.identify.weigh import formula_error, log_odds, Means
 from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -91,7 +91,7 @@ class Rehearsal:
         self._moves = [[*factors, *(self._derivative(campaign, place, k, self._shifts[place])
                                     for k in range(count, len(self.vectors[place])))]
                        for place in range(len(models))]
-        self._campaign, self._expected = campaign, Expected(campaign)
+        self._campaign, self._means = campaign, Means(campaign)
 
     def _derivative(self, campaign: Campaign, place: int, k: int, base) -> list[np.ndarray]:
         unknowns, vector = self.unknowns[place], self.vectors[place].copy()
@@ -116,15 +116,17 @@ class Rehearsal:
                           (unknowns.low - vector - 1e-9, unknowns.high - vector + 1e-9)).x
         left = [error + sum(step * moves[place] for step, moves in zip(move, self._moves[rival]))
                 for place, error in enumerate(apart)]
-        odds = self._expected.odds(
-            left, [own - bare for own, bare in zip(self._shifts[rival], self._bare)], channels,
-            formula_error(self.models[rival].effects))
+        moved = [own - bare for own, bare in zip(self._shifts[rival], self._bare)]
+        signals = self._means.signals(self._means.of(left), self._means.of(moved))
+        odds = expected_odds({name: signal for name, signal in signals.items()
+                              if name in channels}, self._means.sensors,
+                             formula_error(self.models[rival].effects))
         # What the unit is asked for counts, too.
         asked = prior @ ((vector + move)**2 - vector**2)
         differences = {}
         for place, column in enumerate(columns):
             if column.signal in channels:
-                error, floor = (left[place] * column.trust)[_rows(column)], 1.0 / column.scale
+                error, floor = (left[place] * column.trust)[column.rows(None)], 1.0 / column.scale
                 rms = float(np.sqrt(np.mean(error**2))) if len(error) else 0.0
                 differences[column.signal] = Difference(
                     rms * floor, rms, float(np.max(np.abs(error), initial=0.0)) * floor)
@@ -135,7 +137,7 @@ class Rehearsal:
                  channels: Container[str]) -> list[np.ndarray]:
         """Return errors of all rows that count as vectors, weighted for their correlation."""
         return [np.concatenate([np.zeros(0), *(
-            (move[place] * column.trust)[_rows(column)] * self._campaign.thinning(column)
+            (move[place] * column.trust)[column.rows(None)] * self._campaign.thinning(column)
             for place, column in enumerate(self._campaign.columns)
             if column.signal in channels)]) for move in moves]
 
@@ -144,10 +146,6 @@ class Rehearsal:
         channels = tuple(channels)
         return [self.pair(truth, rival, channels) for truth in range(likely or len(self.models))
                 for rival in range(truth + 1, len(self.models))]
-
-
-def _rows(column: Column) -> np.ndarray:
-    return np.sort(np.concatenate([column.fit, column.judge]))
 
 
 def _pressure(run: Run) -> np.ndarray:
@@ -204,10 +202,10 @@ def verify(rig: Rig, records: Sequence[Record], models: Sequence[Model], likely:
 
 def _apart(search: Search, best: Candidate, rivals: Sequence[Candidate]) -> float:
     """Return in sigma how far a diagnosis would see the best above the nearest rival."""
-    ended = [any(at_its_end(search.campaign, rival.fit.model, name) for name in rival.names
-                 if name not in best.names) for rival in rivals]
+    lost = [ended(search.campaign, rival.fit.model, {*rival.names} - {*best.names})
+            for rival in rivals]
     odds = log_odds(search, [best, *rivals])[1:]
-    return float(np.where(ended, _MOST, np.sqrt(2.0 * np.maximum(-odds, 0.0))).min())
+    return float(np.where(lost, _MOST, np.sqrt(2.0 * np.maximum(-odds, 0.0))).min())
 
 
 def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:

@@ -10,7 +10,7 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.choose import after_tests, instead_of_the_unit, likeliest, rivals_of
+from hst_drive.diagnose.choose import given_answer, instead_of_the_unit, likeliest, rivals_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
@@ -145,7 +145,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen
                   if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
-        calibration=moved, probability=after_tests(search, best, rivals, verdict),
+        calibration=moved, probability=given_answer(search, best, rivals, verdict),
         unknown=remaining,
         next_test=_measure(search, best, limited) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,

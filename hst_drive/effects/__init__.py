@@ -13,6 +13,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 import math
 import pkgutil
+from typing import Iterable
 
 from hst_drive.as_function import make_callable
 from hst_drive.effects.base import arguments, Effect, Parameter
@@ -21,7 +22,7 @@ from hst_drive.effects.slots import READABLE, readable, Slot, SLOTS
 from hst_drive.errors import InputError
 
 __all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'edition',
-           'left_out', 'origin', 'readable', 'register']
+           'flexible', 'left_out', 'origin', 'readable', 'register']
 make_callable(__name__)
 
 GROUP = 'hst_drive.effects'
@@ -41,6 +42,12 @@ def catalogue(everything: bool = False) -> dict[str, Effect]:
 
     """
     return {**_found()[0], **FORMULAS} if everything else _found()[0]
+
+
+def flexible(names: Iterable[str]) -> bool:
+    """Say whether one of some effects is a shaft that twists."""
+    known = catalogue(everything=True)
+    return any(known[name].slot == 'shaft_compliance' for name in names)
 
 
 def left_out() -> tuple[str, ...]:

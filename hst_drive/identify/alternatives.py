@@ -7,8 +7,9 @@ from typing import Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.evidence import CREDIBLE
+from hst_drive.identify.fit import at_its_end
 from hst_drive.identify.score_test import score_test
-from hst_drive.identify.search import at_its_end, Candidate, Search
+from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
 

@@ -37,7 +37,6 @@ SETTLE = 0.3            # s left out at the start of a log: the first state is n
 FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
-_LOST = 1e8             # floors: the error of a model that left all bounds
 _HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 ELSEWHERE = 'has no place in this circuit'
 
@@ -299,7 +298,7 @@ class Campaign:
                 continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
-            error = np.nan_to_num(error, nan=_LOST).clip(-_LOST, _LOST)
+            error = np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3)
             errors.append(means_where(error, np.isfinite(measured), self._shaking[column.log],
                                       self.replays[column.log].run.sample_time))
         return errors

@@ -234,7 +234,7 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
     alone = beside = 0.0
     for name, signal in entry.signals.items():
         likely = likelihoods(signal.pieces, sensors[name])
-        formula = likely + _as_share(float(np.hypot(_BASELINE, entry.share * signal.moved)))
+        formula = likely + _as_share(signal, entry.share)
         alone += float(logsumexp(formula))
         # Each signal shows it or does not.
         beside += float(logsumexp([*formula, *(likely + _of_any_size())])) - float(np.log(2.0))
@@ -252,15 +252,16 @@ def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
         return 0.0
     total = 0.0
     for name, signal in signals.items():
-        own = _as_share(float(np.hypot(_BASELINE, share * signal.moved)))
+        own = _as_share(signal, share)
         right, wrong = (logsumexp(own + likelihoods(pieces, sensors[name], True)) for pieces in (
             [np.zeros_like(errors) for errors in signal.pieces], signal.pieces))
         total += float(right - wrong)
     return weight(len(signals)) * total
 
 
-def _as_share(scale: float) -> np.ndarray:
+def _as_share(signal: Signal, share: float) -> np.ndarray:
     """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
+    scale = float(np.hypot(_BASELINE, share * signal.moved))
     edges = [0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf]
     return np.asarray(np.log(np.diff(halfnorm.cdf(edges, scale=scale)) + 1e-300))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from itertools import count as count_from
 from types import MappingProxyType
-from typing import Callable, Collection, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
@@ -258,6 +258,11 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
 def limited(campaign: Campaign, fitted: Fit) -> set[str]:
     """Return the quantities of the unit that are as far off as their tolerances let them."""
     return {key for key, value in fitted.model.factors.items() if at_limit(campaign, key, value)}
+
+
+def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:
+    """Say whether one of some effects sits at an end of what is plausible on a machine."""
+    return any(at_its_end(campaign, model, name) for name in names)
 
 
 def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:

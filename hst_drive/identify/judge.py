@@ -27,6 +27,8 @@ CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 _CLEAR = 0.5            # squared floors, by which a block's error clearly changes
 SIGNIFICANT = 3.0       # standard errors
+_HELD_OUT = 2.0         # on held-out data, where fitted data have those
+_FORM = 0.2             # of what is in already: below, it may be another form of that
 
 
 class Gain(NamedTuple):
@@ -105,6 +107,20 @@ def unharmed(found: Gain) -> bool:
     """Say whether no signal gets significantly worse."""
     return all(value > -SIGNIFICANT or found.share[name] > -0.5 * PRACTICAL
                for name, value in found.sigma.items())
+
+
+def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:
+    """
+    Say whether held-out and fitted errors both hold what the better model moves.
+
+    No signal may get worse, and in one of them it must be more than another form of what the
+    effects that are in already do there, rms in floors (``done``).
+    """
+    return unharmed(held_out) and unharmed(fitted) and any(
+        min(held_out.share[name], fitted.share[name]) >= PRACTICAL
+        and held_out.shown[name] >= _HELD_OUT and fitted.shown[name] >= SIGNIFICANT
+        and held_out.amount[name] >= (_FORM * done[name])**2
+        for name in held_out.share if name in fitted.share)
 
 
 def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:

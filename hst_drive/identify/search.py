@@ -11,18 +11,17 @@ from __future__ import annotations
 from math import log
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, flexible
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
-from hst_drive.identify.fit import at_its_end, Fit, fit, score
-from hst_drive.identify.judge import (
-    contribution, Gain, gain, parts, PRACTICAL, SIGNIFICANT, unexplained, unharmed)
+from hst_drive.identify.fit import ended, Fit, fit, score
+from hst_drive.identify.judge import contribution, Gain, gain, parts, shown, unexplained
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of
 from hst_drive.identify.starts import starts
-from hst_drive.identify.weigh import flexible, log_odds
+from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.threads import each
 import numpy as np
 
@@ -30,8 +29,6 @@ MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
 _EXCHANGED = 3
-_HELD_OUT = 2.0     # standard errors there, where fitted data have SIGNIFICANT
-_FORM = 0.2         # of what is in already: below, it may be another form of that
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
 _ROUNDS = 5
@@ -133,7 +130,7 @@ class Search:
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""
         score = self.score(found)
-        if self._ended(names, found):
+        if ended(self.campaign, found.model, names):
             # A shape at the end of its range stands for another effect.
             score = max(score, self.baseline.score)
         return Candidate(names, found, score)
@@ -153,8 +150,11 @@ class Search:
 
     def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
         """Return the log odds of candidates against another; -inf with an effect at its end."""
-        ended = [self._ended(entry.names, entry.fit) for entry in after]
-        return np.where(ended, -np.inf, log_odds(self, [before, *after])[1:])
+        found = np.full(len(after), -np.inf)
+        held = [place for place, entry in enumerate(after)
+                if not ended(self.campaign, entry.fit.model, entry.names)]
+        found[held] = log_odds(self, [before, *(after[place] for place in held)])[1:]
+        return found
 
     def asked(self, before: Candidate, after: Candidate) -> bool:
         """
@@ -174,16 +174,8 @@ class Search:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""
         if flexible({*after.names} - {*before.names}):
             return False    # its load follows rough rock better whether it is there or not
-        held_out, fitted = (self.gain(before, after, part) for part in (True, False))
-        done = contribution(self.campaign, self.bare, before.fit)
-        return unharmed(held_out) and unharmed(fitted) and any(
-            min(held_out.share[name], fitted.share[name]) >= PRACTICAL
-            and held_out.shown[name] >= _HELD_OUT and fitted.shown[name] >= SIGNIFICANT
-            and held_out.amount[name] >= (_FORM * done[name])**2
-            for name in held_out.share if name in fitted.share)
-
-    def _ended(self, names: Sequence[str], found: Fit) -> bool:
-        return any(at_its_end(self.campaign, found.model, name) for name in names)
+        return shown(*(self.gain(before, after, part) for part in (True, False)),
+                     contribution(self.campaign, self.bare, before.fit))
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
@@ -245,9 +237,9 @@ class Search:
         return sorted(found, key=lambda item: item.score)
 
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
-        """Return what leads on from ``best`` by way of a beam, which may be that alone."""
+        """Return what leads on from ``best`` by way of a beam, the most probable first."""
         # Short events may ask for one more effect though the whole is near the noise.
-        least = 0.0 if self.unexplained(best) else _HOPE
+        beam, least = (beam, 0.0) if self.unexplained(best) else (beam[:1], _HOPE)
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
         return [*{entry.names: entry for candidate in standing
@@ -257,26 +249,32 @@ class Search:
         """Return the set of effects that the data ask for; it may be empty."""
         best, level = self.baseline, self.singles()
         while level:
-            beam, odds = self.likeliest(best, level)
-            # Which of two that are near each other is the better one their own Jacobians tell.
-            beam, _ = self.likeliest(best, [
-                self.refine(entry) if value >= odds[0] - CREDIBLE else entry
-                for entry, value in zip(beam, odds)])
-            top = beam[0]
-            if not self.asked(best, top):
+            beam = self._beam(best, level)
+            if not self.asked(best, beam[0]):
                 # What resonates with the other (ripple on a soft shaft) shows only beside it.
-                level = [] if len(top.names) == MOST_EFFECTS else self._extended(best, beam)
+                level = [] if len(beam[0].names) == MOST_EFFECTS else self._extended(best, beam)
                 if not level:
                     break
-                top = self.refine(self.likeliest(best, level)[0][0])
-                if not self.asked(best, top):
+                beam = self._beam(best, level)
+                if not self.asked(best, beam[0]):
                     break
-                beam = [top]
-            best = top
+            best = beam[0]
             if len(best.names) == MOST_EFFECTS:
                 break
-            level = self._extended(best, beam if self.unexplained(best) else [best])
+            level = self._extended(best, beam)
         return self.exchange(best)
+
+    def _beam(self, best: Candidate, level: Sequence[Candidate]) -> list[Candidate]:
+        """
+        Return the most probable candidates, each as good as its own Jacobian makes it.
+
+        That tells which of two that are near each other is the better one. What is far less likely
+        than ``best`` need not be known so well.
+        """
+        beam, odds = self.likeliest(best, level)
+        least = max(odds[0], 0.0) - CREDIBLE
+        return self.likeliest(best, [self.refine(entry) if value >= least else entry
+                                     for entry, value in zip(beam, odds)])[0]
 
     def likeliest(self, best: Candidate, level: Sequence[Candidate]
                   ) -> tuple[list[Candidate], np.ndarray]:

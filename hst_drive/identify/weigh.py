@@ -3,15 +3,16 @@
 """What a search has fitted, as explanations that are weighed against each other (``evidence``)."""
 from __future__ import annotations
 
-from typing import Container, Iterable, Iterator, NamedTuple, Sequence, TYPE_CHECKING
+from typing import Iterable, Iterator, NamedTuple, Sequence, TYPE_CHECKING
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, flexible
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.columns import Column
 from hst_drive.identify.evidence import (
-    BIN, evidence, expected_odds, Explanation, laplace, PIECE, Probability, probability, range_of,
-    Sensor, Signal, weight)
-from hst_drive.identify.fit import at_its_end, Fit
+    BIN, evidence, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor, Signal,
+    weight)
+from hst_drive.identify.fit import ended, Fit
 from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
@@ -24,62 +25,98 @@ _ROUGH = 0.03   # of the squared floor: white noise that floors do not know
 
 
 class _Piece(NamedTuple):
-    """Samples of a column (its place), each row those of one mean; ``mean`` takes it."""
+    """A stretch of means of a column (its place) without a gap."""
 
     column: int
     bins: np.ndarray
 
 
+class Means:
+    """How errors of a campaign are taken together: means over ``BIN``, pieces without a gap."""
+
+    def __init__(self, campaign: Campaign):
+        self.campaign = campaign
+        self.sensors = _sensors(campaign)
+        # By column: the samples that count, the number of the mean each is in, and its size.
+        self._bins = [(used, number, np.maximum(np.bincount(number), 1))
+                      for used, number in (_bins(campaign, column) for column in campaign.columns)]
+        self._pieces = list(self._cut())
+
+    def of(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Return the means of errors, by column."""
+        return [np.bincount(number, (error * column.trust)[used]) / count
+                for error, column, (used, number, count) in zip(
+                    errors, self.campaign.columns, self._bins)]
+
+    def signals(self, left: Sequence[np.ndarray],
+                moved: Sequence[np.ndarray]) -> dict[str, Signal]:
+        """Return signals from means, by column, of what is left and of what effects move."""
+        names = self.campaign.signals
+        parts: dict[str, dict[int, list[np.ndarray]]] = {name: {} for name in names}
+        powers: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
+        for place, bins in self._pieces:
+            name = self.campaign.columns[place].signal
+            parts[name].setdefault(len(bins), []).append(left[place][bins])
+            powers[name].append(moved[place][bins]**2)
+        return {name: Signal(tuple(map(np.array, lengths.values())),
+                             float(np.sqrt(np.mean(np.concatenate(powers[name])))))
+                for name, lengths in parts.items() if lengths}
+
+    def _cut(self) -> Iterator[_Piece]:
+        most = round(PIECE / BIN)
+        for place, (_, number, _) in enumerate(self._bins):
+            full = np.unique(number)
+            for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):
+                for start in range(0, len(stretch), most):
+                    yield _Piece(place, stretch[start:start + most])
+
+
 def weigh(search: Search, best: Candidate) -> Probability:
     """Return how probable each set is that a search has fitted, ``best`` among them."""
     campaign = search.campaign
-    tried = [entry for entry in search.tried() if entry.names == best.names or not any(
-        at_its_end(campaign, entry.fit.model, name) for name in entry.names)]
-    found = _explanations(search, [
+    tried = [entry for entry in search.tried() if entry.names == best.names
+             or not ended(campaign, entry.fit.model, entry.names)]
+    found, sensors = _explanations(search, [
         *((entry.names, campaign, entry.fit, True) for entry in tried),
         *((_listed(search, fitted), own, fitted, False) for own, fitted in search.unlisted)])
     # Of whole drives with an open circuit they held (bench/README.md).
-    return probability(found, _sensors(campaign), len(search.candidates))._replace(
+    return probability(found, sensors, len(search.candidates))._replace(
         calibrated=not isinstance(campaign, PartCampaign))
 
 
 def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     """Return the logarithm of how much more probable fitted sets are than the first of them."""
-    sensors = _sensors(search.campaign)
+    explanations, sensors = _explanations(search, [
+        (entry.names, search.campaign, entry.fit, True) for entry in entries])
     found = np.array([evidence(entry, sensors, len(search.candidates))[0]
-                      for entry in _explanations(search, [
-                          (entry.names, search.campaign, entry.fit, True) for entry in entries])])
+                      for entry in explanations])
     return found - found[0]
 
 
 def log_odds_unlisted(search: Search, best: Candidate, campaign: Campaign, fitted: Fit) -> float:
     """Return the log odds of something unlisted, fitted in a campaign, against a set."""
-    listed, other = _explanations(search, [
+    (listed, other), sensors = _explanations(search, [
         (best.names, search.campaign, best.fit, True),
         (_listed(search, fitted), campaign, fitted, False)])
-    sensors, count = _sensors(search.campaign), len(search.candidates)
+    count = len(search.candidates)
     return evidence(other, sensors, count)[1] - evidence(listed, sensors, count)[0]
 
 
 def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]
-                  ) -> list[Explanation]:
-    """Return explanations: effects, campaign in which they were fitted, fit, whether listed."""
-    campaign = search.campaign
-    pieces, base = list(_pieces(campaign)), _means(campaign, search.base.errors)
+                  ) -> tuple[list[Explanation], dict[str, Sensor]]:
+    """Return explanations of effects, campaign of the fit, fit, whether listed; and sensors."""
+    campaign, means = search.campaign, Means(search.campaign)
+    base = means.of(search.base.errors)
 
     def signals(fit: Fit) -> dict[str, Signal]:
-        moved = [one - other for one, other in zip(_means(campaign, fit.errors), base)]
-        return _signals(campaign, pieces, _means(campaign, _over_own(campaign, fit)), moved)
+        found = means.of(fit.errors)
+        moved = [one - other for one, other in zip(found, base)]
+        own = means.of(_over_own(campaign, fit)) if flexible(fit.model.effects) else found
+        return means.signals(own, moved)
 
     return [Explanation(names, signals(fit), _penalty(own, fit), listed,
                         len({*names} & {*campaign.adopted}), formula_error(names))
-            for names, own, fit, listed in fitted]
-
-
-def flexible(names: Iterable[str]) -> bool:
-    """Say whether one of some effects is a shaft that twists."""
-    known = catalogue(everything=True)
-    return any(known[name].slot == 'shaft_compliance' for name in names)
+            for names, own, fit, listed in fitted], means.sensors
 
 
 def _over_own(campaign: Campaign, fit: Fit) -> Sequence[np.ndarray]:
@@ -89,8 +126,6 @@ def _over_own(campaign: Campaign, fit: Fit) -> Sequence[np.ndarray]:
     The load behind a flexible shaft is found with the measured speed, and follows rough rock
     better whether there is such a shaft or not.
     """
-    if not flexible(fit.model.effects):
-        return fit.errors
     own = campaign.floors_of(fit.model)
     return [error * max(campaign.floors[column.log][column.signal]
                         / own[column.log][column.signal], 1.0)
@@ -103,73 +138,16 @@ def formula_error(names: Iterable[str]) -> float:
     return max((known[name].formula_error for name in names), default=FORMULA_ERROR)
 
 
-class Expected:
-    """What a campaign would tell of two models."""
-
-    def __init__(self, campaign: Campaign):
-        self._campaign, self._sensors = campaign, _sensors(campaign)
-        self._pieces = list(_pieces(campaign))
-
-    def odds(self, left: Sequence[np.ndarray], moved: Sequence[np.ndarray],
-             signals: Container[str], share: float) -> float:
-        """
-        Return the log odds that are to come against a model, beside the truth.
-
-        ``left`` is what it is off by and ``moved`` what its effects do, over the floor: errors by
-        column as of ``Fit``. ``signals`` are those that are recorded, ``share`` as of
-        ``formula_error``.
-        """
-        found = _signals(self._campaign, self._pieces, *(
-            _means(self._campaign, values) for values in (left, moved)))
-        return expected_odds({name: signal for name, signal in found.items() if name in signals},
-                             self._sensors, share)
-
-
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:
     """Return the effects of the list in a fit of something that is not listed."""
     return tuple(sorted({name for name, _ in fitted.names} & {*search.candidates}))
 
 
-def _bins(campaign: Campaign, place: int) -> tuple[np.ndarray, np.ndarray]:
+def _bins(campaign: Campaign, column: Column) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples of a column that count, and the number of the mean each is in."""
-    column = campaign.columns[place]
     time = campaign.replays[column.log].run.time
-    used = np.sort(np.concatenate([column.fit, column.judge]))
+    used = np.sort(column.rows(None))
     return used, ((time[used] - time[0]) / BIN + 1e-6).astype(int)
-
-
-def _means(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return the means of errors over ``BIN``, by column."""
-    found = []
-    for place, (error, column) in enumerate(zip(errors, campaign.columns)):
-        used, number = _bins(campaign, place)
-        count = np.bincount(number)
-        found.append(np.bincount(number, (error * column.trust)[used]) / np.maximum(count, 1))
-    return found
-
-
-def _pieces(campaign: Campaign) -> Iterator[_Piece]:
-    """Yield the stretches without a gap of all columns, none longer than ``PIECE``."""
-    most = round(PIECE / BIN)
-    for place in range(len(campaign.columns)):
-        full = np.unique(_bins(campaign, place)[1])
-        for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):
-            for start in range(0, len(stretch), most):
-                yield _Piece(place, stretch[start:start + most])
-
-
-def _signals(campaign: Campaign, pieces: Sequence[_Piece], left: Sequence[np.ndarray],
-             moved: Sequence[np.ndarray]) -> dict[str, Signal]:
-    """Return signals from means, by column, of what is left and of what effects move."""
-    parts: dict[str, dict[int, list[np.ndarray]]] = {name: {} for name in campaign.signals}
-    powers: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in campaign.signals}
-    for place, bins in pieces:
-        name = campaign.columns[place].signal
-        parts[name].setdefault(len(bins), []).append(left[place][bins])
-        powers[name].append(moved[place][bins]**2)
-    return {name: Signal(tuple(map(np.array, lengths.values())),
-                         float(np.sqrt(np.mean(np.concatenate(powers[name])))))
-            for name, lengths in parts.items() if lengths}
 
 
 def _sensors(campaign: Campaign) -> dict[str, Sensor]:

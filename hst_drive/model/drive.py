@@ -7,7 +7,7 @@ import copy
 from difflib import get_close_matches
 from typing import Any, Mapping
 
-from hst_drive.effects import catalogue, left_out
+from hst_drive.effects import catalogue, flexible, left_out
 from hst_drive.effects.base import arguments
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.errors import InputError
@@ -132,8 +132,7 @@ class Drive:
     @property
     def has_flexible_shaft(self) -> bool:
         """Whether a part of the inertia lies behind a shaft that twists."""
-        known = catalogue(everything=True)
-        return any(known[name].slot == 'shaft_compliance' for name in self.effects)
+        return flexible(self.effects)
 
     def slot(self, slot: str, **known: Any) -> Any:
         """

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How models are judged block by block, on made-up blocks whose answer is known."""
-from hst_drive.identify.judge import gain, unharmed
+from hst_drive.identify.judge import gain, shown, unharmed
 import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
@@ -87,3 +87,20 @@ def test_a_move_that_is_not_there_is_seldom_sure_twice():
     chance = [min(gain(*moves(30, 0.0, seed, 3)).shown['a'] / 3.0,
                   gain(*moves(15, 0.0, 5000 + seed, 3)).shown['a'] / 2.0) for seed in range(2000)]
     assert np.sum(np.array(chance) >= 1.0) <= 10
+
+
+@pytest.mark.parametrize('slope, done, expected', [
+    (1.0, 0.0, True),       # a few blocks hold all of the move
+    (0.0, 0.0, False),      # none holds it
+    (1.0, 20.0, False),     # less than a fifth of what others do there: another form of theirs
+])
+def test_what_is_shown_is_worth_a_name(slope, done, expected):
+    held_out, fitted = (gain(*moves(count, slope, seed, count // 5))
+                        for count, seed in ((60, 1), (120, 2)))
+    assert shown(held_out, fitted, {'a': done}) is expected
+
+
+def test_what_one_half_alone_shows_is_not_worth_a_name():
+    there, not_there = (gain(*moves(60, slope, 3, 12)) for slope in (1.0, 0.0))
+    assert shown(there, there, {'a': 0.0})
+    assert not shown(there, not_there, {'a': 0.0}) and not shown(not_there, there, {'a': 0.0})
