@@ -25,7 +25,6 @@ from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import at_limit, Fit, fit, limited, score
 from hst_drive.identify.judge import SIGNIFICANT
-from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.threads import each
@@ -80,7 +79,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
 
     """
     strained = limited(search.campaign, best.fit)
-    if isinstance(search.campaign, PartCampaign) or not left and len(
+    if search.campaign.by_balance or not left and len(
             best.names) < 2 and not strained:
         return None
     # Beside a unit at its limits that explains all, only what would take it off one.

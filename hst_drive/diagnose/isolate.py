@@ -17,7 +17,6 @@ from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import AT_NOISE
-from hst_drive.identify.part import PartCampaign
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.model.circuits import Balance
@@ -60,7 +59,7 @@ class Entry(NamedTuple):
 def entries(campaign: Campaign) -> list[Entry]:
     """Return the places that the channels can tell apart."""
     rig = campaign.rig
-    if isinstance(campaign, PartCampaign):
+    if campaign.by_balance:
         return _parts(campaign)
     per_torque = 1.0 / (0.88 * rig.motor.displacement)
     flow, speed, pressure = 'motor_inlet_flow', 'motor_speed', 'pump_outlet_pressure'
@@ -93,7 +92,7 @@ def entries(campaign: Campaign) -> list[Entry]:
     return kept
 
 
-def _parts(campaign: PartCampaign) -> list[Entry]:
+def _parts(campaign: Campaign) -> list[Entry]:
     """Return one place per balance of the logs of a part."""
     displacement = campaign.drive.motor_displacement
     found = {}
@@ -195,7 +194,7 @@ def sizes(campaign: Campaign, model: Fit,
     errors = smooth_errors(campaign, model)
     values, counts = [], []
     for index in range(len(campaign.replays)):
-        found = None if isinstance(campaign, PartCampaign) else _from_balance(
+        found = None if campaign.by_balance else _from_balance(
             campaign, model, place, index)
         if found is None:
             found = _project(campaign, index, errors[index], place)[0]

@@ -159,7 +159,8 @@ class Diagnosis:
     not_observable : dict of str to str
         Effects that these logs cannot show, and why.
     smallest : dict of str to float
-        The size of each other effect (first parameter, SI) that these logs would have shown.
+        The size of each other effect (first parameter, SI) from which on the evidence of these
+        logs is expected to decide for it.
     calibration : tuple of Calibrated
         How this unit is off its datasheet.
     probability : Probability

@@ -20,7 +20,6 @@ from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import gain, judged, parts, PRACTICAL, unexplained
-from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
 
@@ -68,8 +67,8 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     if any(name not in STATIC for term in terms for name in term['variables']):
         static = regress(data, STATIC.__contains__)[0]
     carried = _carry(campaign, model, place.formula, static, 1.0) if place.formula else None
-    if carried and place.formula == 'formula_torque' and not isinstance(
-            campaign, PartCampaign) and only_read(campaign, model, place.moves):
+    if carried and place.formula == 'formula_torque' and not campaign.by_balance and only_read(
+            campaign, model, place.moves):
         per_torque = -place.moves[place.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
         if reading and score(campaign, reading.fit) < min(

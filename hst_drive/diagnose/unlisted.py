@@ -20,7 +20,6 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import Fit, fit, score
-from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.phases import once_a_turn
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
@@ -78,7 +77,7 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
     signals, where anything freer fits better.
     """
     found: dict[str, Unlisted] = {}
-    if isinstance(search.campaign, PartCampaign):
+    if search.campaign.by_balance:
         return found
     for name in best.names:
         tried = [*_formula(search, best, name), *_actuator(search, best, name)]
@@ -127,7 +126,7 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
     ``left`` are the signals that the set leaves unexplained. Where nothing seems to be left, a
     rough load, or the unit's own lag, may still hide it from the noise ratio.
     """
-    if isinstance(search.campaign, PartCampaign):
+    if search.campaign.by_balance:
         return None
     for trial in _beside(search, best, left):
         search.unlisted.append((search.campaign, trial.fit.light()))

@@ -85,6 +85,7 @@ class Campaign:
     block, finest = BLOCK, FINEST
     events = EVENTS
     searched: tuple[str, ...] = ('always',)
+    by_balance = False      # nothing is replayed: what is judged are balances, smoothed
     advice = ''     # what to record next; empty: a test can be designed
     signed = False  # whether a leak may be less than none: against what a machine was, it may
 

@@ -14,11 +14,13 @@ from typing import NamedTuple, Sequence
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.evidence import (
+    CREDIBLE, expected_odds, laplace, range_of, Signal, weight)
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.judge import PRACTICAL, SIGNIFICANT
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
+from hst_drive.identify.weigh import Means
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import brentq, lsq_linear
 
 # What an effect may read that a replay takes from a recording: the channel that it comes from.
 _FROM = {'oil_temperature': 'oil_temperature', 'viscosity_ratio': 'oil_temperature',
@@ -34,7 +36,8 @@ class Visibility(NamedTuple):
     id : str
         The effect.
     smallest : float
-        Size (first parameter, SI) that these logs would have shown; inf if none.
+        Size (first parameter, SI) from which on their evidence is expected to decide for it;
+        inf if none. What an effect does is taken to go with its size.
     reason : str
         Why it cannot be seen; empty if it can.
 
@@ -60,14 +63,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         Effects.
 
     """
-    start = campaign.training(base.errors)
-    factors = base.jacobian[:, :len(campaign.tolerances)]
-    normal = factors.T @ factors + np.eye(factors.shape[1])
-    unknowns = Unknowns(campaign, base.model)
-    held = unknowns.pack(base.model)[:unknowns.factors]
-    room = (-SIGMAS - held - 1e-6, SIGMAS - held + 1e-6)
-    grams = [(rows, factors[rows].T @ factors[rows], need)
-             for rows, need in _places(campaign)]
+    start, shows = campaign.training(base.errors), _Shows(campaign, base)
     found = []
     for name in names:
         effect = catalogue()[name]
@@ -78,7 +74,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         size = campaign.parameter(name, effect.parameters[0].name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
-        smallest = abs(size.typical) * _smallest(move, factors, normal, room, grams)
+        smallest = abs(size.typical) * shows.from_size(
+            move, size.low < campaign.off(name)[size.name])
         limit = max(abs(size.low), abs(size.high))
         reason = '' if smallest <= limit else unread(campaign, name) or \
             'in these logs it does no more than the tolerances of the unit allow'
@@ -94,48 +91,49 @@ def unread(campaign: Campaign, name: str) -> str:
     return f'needs the channel {" and ".join(missing)}' if missing else ''
 
 
-def _smallest(move: np.ndarray, factors: np.ndarray, normal: np.ndarray,
-              room: tuple[np.ndarray, np.ndarray],
-              grams: list[tuple[np.ndarray, np.ndarray, float]]) -> float:
-    """
-    Return the factor on ``move`` from which the effect is worth naming.
+class _Shows:
+    """From which size on logs are expected to tell an effect, beside a unit that takes it up."""
 
-    The unit's factors take up what they can, but not beyond their limits. All is quadratic in
-    the factors, so that the long vectors are needed once.
-    """
-    sides = [(factors[rows].T @ move[rows], float(move[rows] @ move[rows]))
-             for rows, _, _ in grams]
-    root = np.linalg.cholesky(normal).T
-    target = np.linalg.solve(root.T, factors.T @ move)
+    def __init__(self, campaign: Campaign, base: Fit):
+        self._means = Means(campaign)
+        # Logs to judge on tell as much as those that are fitted.
+        self._more = sum(len(column.rows(None)) for column in campaign.columns) / max(
+            sum(len(column.fit) for column in campaign.columns), 1)
+        self._weight = self._more * weight(len(campaign.signals))
+        self._asked = CREDIBLE + np.log(max(len(campaign.candidates()), 1))
+        self._factors = base.jacobian[:, :len(campaign.tolerances)]
+        self._moved = [self._signals(column) for column in self._factors.T]
+        self._root = np.linalg.cholesky(
+            self._factors.T @ self._factors + np.eye(self._factors.shape[1])).T
+        unknowns = Unknowns(campaign, base.model)
+        self._held = unknowns.pack(base.model)[:unknowns.factors]
+        self._room = -SIGMAS - self._held - 1e-6, SIGMAS - self._held + 1e-6
 
-    def shows(size: float) -> bool:
-        share = lsq_linear(root, -size * target, room, method='bvls').x if len(target) else target
-        return any(share @ gram @ share + 2 * size * side @ share + size**2 * power > need
-                   for (_, gram, need), (side, power) in zip(grams, sides))
+    def _signals(self, vector: np.ndarray) -> dict[str, Signal]:
+        means = self._means.of_training(vector)
+        return self._means.signals(means, means)
 
-    low, high = np.log(1e-4), np.log(1e3)
-    if not shows(np.exp(high)):
-        return np.inf
-    for _ in range(9):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if shows(np.exp(middle)) else (middle, high)
-    return float(np.exp(high))
+    def from_size(self, move: np.ndarray, both_ways: bool) -> float:
+        """Return the factor on ``move``, that of a typical size, from which it shows; or inf."""
+        target = np.linalg.solve(self._root.T, self._factors.T @ move)
+        # By signal the pieces that the effect moves, each with those that the unit does.
+        moved = {name: [(own, np.array(unit).reshape(-1, *own.shape)) for own, *unit in zip(
+                     signal.pieces, *(entry[name].pieces for entry in self._moved))]
+                 for name, signal in self._signals(move).items()}
 
+        def odds(log_share: float) -> float:
+            share = np.exp(log_share)
+            unit = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
+                len(target)) else target
+            left = {name: Signal(tuple(share * own + np.tensordot(unit, known, 1)
+                                       for own, known in pieces), 0.0)
+                    for name, pieces in moved.items()}
+            rest = move + self._factors @ unit / share
+            strained = (self._held + unit) @ (self._held + unit) - self._held @ self._held
+            return (self._more * expected_odds(left, self._means.sensors, 0.0)
+                    + 0.5 * float(strained) - self._asked + laplace(
+                        self._weight * np.array([[rest @ rest]]), np.array([False]),
+                        np.array([range_of(share, both_ways)]), np.array([share])))
 
-def _places(campaign: Campaign) -> list[tuple[np.ndarray, float]]:
-    """Return, by signal, its rows in the training vector, and the power worth naming there."""
-    places: dict[str, list[np.ndarray]] = {}
-    thin: dict[str, float] = {}
-    start = 0
-    for column in campaign.columns:
-        places.setdefault(column.signal, []).append(np.arange(start, start + len(column.fit)))
-        thin[column.signal] = campaign.thinning(column)
-        start += len(column.fit)
-    found = []
-    for name, parts in places.items():
-        rows = np.concatenate(parts)
-        blocks = max(len(rows) * campaign.replays[0].run.sample_time / campaign.block, 1.0)
-        # Mean squares of blocks scatter by about their own size where errors are correlated.
-        worth = max(PRACTICAL, SIGNIFICANT * 0.7 / np.sqrt(blocks))
-        found.append((rows, worth * thin[name]**2 * len(rows)))
-    return found
+        low, high = np.log(1e-4), np.log(1e3)
+        return float(np.exp(brentq(odds, low, high, xtol=0.02))) if odds(high) > 0.0 else np.inf

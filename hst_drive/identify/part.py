@@ -49,6 +49,7 @@ class PartCampaign(Campaign):
     """
 
     searched = ('always', 'parts')
+    by_balance = True
     advice = ('record more operating points: a wider span of pressure, speed, stroke and oil '
               'temperature than these logs have tells them apart')
 

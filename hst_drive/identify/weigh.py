@@ -13,7 +13,6 @@ from hst_drive.identify.evidence import (
     BIN, evidence, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor, Signal,
     weight)
 from hst_drive.identify.fit import ended, Fit
-from hst_drive.identify.part import PartCampaign
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 
@@ -44,9 +43,22 @@ class Means:
 
     def of(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Return the means of errors, by column."""
-        return [np.bincount(number, (error * column.trust)[used]) / count
-                for error, column, (used, number, count) in zip(
-                    errors, self.campaign.columns, self._bins)]
+        return self._of([error * column.trust
+                         for error, column in zip(errors, self.campaign.columns)])
+
+    def of_training(self, vector: np.ndarray) -> list[np.ndarray]:
+        """Return the same of a vector of ``Campaign.training``; what is judged on is 0."""
+        errors, start = [], 0
+        for column in self.campaign.columns:
+            error, stop = np.zeros(len(column.trust)), start + len(column.fit)
+            error[column.fit] = vector[start:stop] / self.campaign.thinning(column)
+            errors.append(error)
+            start = stop
+        return self._of(errors)
+
+    def _of(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return [np.bincount(number, error[used]) / count
+                for error, (used, number, count) in zip(errors, self._bins)]
 
     def signals(self, left: Sequence[np.ndarray],
                 moved: Sequence[np.ndarray]) -> dict[str, Signal]:
@@ -81,7 +93,7 @@ def weigh(search: Search, best: Candidate) -> Probability:
         *((_listed(search, fitted), own, fitted, False) for own, fitted in search.unlisted)])
     # Of whole drives with an open circuit they held (bench/README.md).
     return probability(found, sensors, len(search.candidates))._replace(
-        calibrated=not isinstance(campaign, PartCampaign))
+        calibrated=not campaign.by_balance)
 
 
 def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
@@ -153,7 +165,7 @@ def _bins(campaign: Campaign, column: Column) -> tuple[np.ndarray, np.ndarray]:
 def _sensors(campaign: Campaign) -> dict[str, Sensor]:
     """Return how each signal scatters: as the median of the logs has it."""
     known: dict[str, list[tuple[float, float, float]]] = {}
-    part = isinstance(campaign, PartCampaign)
+    part = campaign.by_balance
     for column in campaign.columns:
         replay = campaign.replays[column.log]
         # The errors of a part were smoothed: there no noise is white.

@@ -1,9 +1,12 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Why logs cannot show an effect: what they do, or a channel that they lack."""
+"""Why logs cannot show an effect, and from which size on they do."""
+from hst_drive.effects import catalogue
 from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
+from hst_drive.identify.search import Search
 from hst_drive.rig import default_rig
 import pytest
 
@@ -35,3 +38,19 @@ def test_in_a_log_of_a_part_as_well():
     """Flow and leakage are there, so that their balances are closed; how warm, no one knows."""
     run = motor_bench(channels=('motor_inlet_flow', 'case_drain_flow'))
     assert 'oil_temperature' in reason('leakage_temperature', motor_rig(), run)
+
+
+@pytest.mark.parametrize('name', ['motor_leakage', 'entrained_air'])
+def test_what_is_larger_than_the_smallest_is_found_and_what_is_smaller_is_not(name):
+    """The linear forecast of healthy logs, beside fits to logs of machines that have it."""
+    def campaign(effects):
+        logs = [record(seed, duration=20.0, effects=effects) for seed in range(4)]
+        return campaign_of(default_rig(), logs[:3], logs[3:])
+
+    healthy, size = campaign({}), catalogue()[name].parameters[0].name
+    smallest = visibility(healthy, calibrated(healthy), [name])[0].smallest
+    odds = []
+    for share in (0.6, 1.6):
+        search = Search(campaign({name: {size: share * smallest}}), healthy.candidates())
+        odds.append(search.odds(search.baseline, [search.refine(search.single(name))])[0])
+    assert odds[0] < CREDIBLE < odds[1]
