@@ -8,7 +8,7 @@ that is asked afterwards (``standing``), and what could stand in its place (``al
 """
 from __future__ import annotations
 
-from math import log
+from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, flexible
@@ -269,12 +269,13 @@ class Search:
         Return the most probable candidates, each as good as its own Jacobian makes it.
 
         That tells which of two that are near each other is the better one. What is far less likely
-        than ``best`` need not be known so well.
+        than ``best`` need not be known so well, unless it fits clearly better.
         """
         beam, odds = self.likeliest(best, level)
-        least = max(odds[0], 0.0) - CREDIBLE
-        return self.likeliest(best, [self.refine(entry) if value >= least else entry
-                                     for entry, value in zip(beam, odds)])[0]
+        least, cost = max(odds[0], 0.0) - CREDIBLE, (1.0 - _HOPE) * best.fit.cost
+        return self.likeliest(best, [
+            self.refine(entry) if value >= least or value > -inf and entry.fit.cost < cost
+            else entry for entry, value in zip(beam, odds)])[0]
 
     def likeliest(self, best: Candidate, level: Sequence[Candidate]
                   ) -> tuple[list[Candidate], np.ndarray]:
