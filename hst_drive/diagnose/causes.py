@@ -16,15 +16,13 @@ from __future__ import annotations
 import copy
 from typing import Callable, Container, Iterator, Mapping, NamedTuple
 
-from hst_drive.diagnose.free_forms import (
-    as_much, faint, Freer, much_left, PATIENT, sure, told_as, Trial)
+from hst_drive.diagnose.free_forms import better, faint, Freer, PATIENT, told_as, Trial
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.fit import at_limit, Fit, fit, limited, score
-from hst_drive.identify.judge import SIGNIFICANT
+from hst_drive.identify.fit import at_limit, Fit, fit, limited
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.threads import each
@@ -32,9 +30,6 @@ import numpy as np
 
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
-# Natural logarithm of how much likelier a cause must make the logs than a unit at its limits:
-# errors count as independent after 0.1 s, those of the torque are alike for 0.5 s.
-_LIKELIER = 25.0
 # Signal: its formula, the variable of that, and the unit.
 _READINGS = {
     'load_torque': ('formula_torque_reading', 'torque', 'N.m'),
@@ -87,7 +82,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
         cause for cause in _mistaken(search) if cause.frees in strained]
     fits = each(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
                                   iterations=PATIENT), causes)
-    near = sorted(zip(causes, fits), key=lambda pair: score(search.campaign, pair[1]))
+    near = sorted(zip(causes, fits), key=lambda pair: search.score(pair[1]))
     for cause, found in near[:_NEAREST]:
         found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
         search.unlisted.append((cause.campaign, found.light()))
@@ -104,20 +99,10 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
 def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
               freed: Campaign) -> bool:
     """Say whether a cause alone is the better answer; ``freed`` has the tolerances beside it."""
-    if left:
-        return sure(search, best, alone) is not None and not much_left(search, best, alone)
-    other = Candidate((), alone, search.score(alone))
-    if len(best.names) < 2:
-        return _relieves(search, other, best, freed) and not search.unexplained(other)
-    return as_much(search, best, alone, freed)
-
-
-def _relieves(search: Search, alone: Candidate, best: Candidate, freed: Campaign) -> bool:
-    """Say whether a cause takes quantities of the unit off their limits and is far likelier."""
-    return (limited(freed, alone.fit) < limited(search.campaign, best.fit)
-            and best.score - alone.score >= 2 * _LIKELIER
-            and max(search.gain(best, alone, False).sigma.values(),
-                    default=0.0) >= SIGNIFICANT)
+    if left or len(best.names) > 1:
+        return better(search, best, alone, freed, simpler=True)
+    return limited(freed, alone) < limited(search.campaign, best.fit) and better(
+        search, best, alone, freed)
 
 
 def misreadings(campaign: Campaign) -> Iterator[Freer]:

@@ -14,12 +14,13 @@ from __future__ import annotations
 from typing import Callable, Container, Iterator, NamedTuple
 
 from hst_drive.diagnose.free_forms import (
-    as_much, beaten, fitted_freer, Freer, much_left, REST, share_of, sure, told_as, Trial)
+    better, fitted_freer, Freer, how_much_better, told_as, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.fit import Fit, fit, score
+from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.phases import once_a_turn
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
@@ -29,7 +30,6 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the timing and the unit in turn
-_REST_OF_LATE = 0.25    # of the excess squared error: rough rock is not read back from a late one
 _WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 # Slot of an effect: what is tried in its place.
 _FREER = {
@@ -82,13 +82,13 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
     for name in best.names:
         tried = [*_formula(search, best, name), *_actuator(search, best, name)]
         search.unlisted += [(search.campaign, trial.fit.light()) for trial in tried]
-        trials = [trial for trial in tried if beaten(search, best, trial.fit)]
-        if not trials:
+        if not tried:
             continue
-        trial = min(trials, key=lambda item: score(search.campaign, item.fit))
-        if gained := sure(search, best, trial.fit):
+        trial = min(tried, key=lambda item: search.score(item.fit))
+        if better(search, best, trial.fit, search.campaign):
+            said = how_much_better(search, best, trial.fit)[1]
             found[name] = Unlisted(
-                f'comes near, but {trial.what} in its place leaves {share_of(gained)}',
+                f'comes near, but {trial.what} in its place {said}',
                 told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best)
 
@@ -107,14 +107,13 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     if not trials:
         return {}
     search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
-    trial = min(trials, key=lambda item: score(search.campaign, item.fit))
-    gained = sure(search, best, trial.fit)
+    trial = min(trials, key=lambda item: search.score(item.fit))
     # Of what explains as much one cause is a better answer than several.
-    if not gained and (score(search.campaign, trial.fit) >= best.score
-                       or not as_much(search, best, trial.fit, search.campaign)):
+    if not better(search, best, trial.fit, search.campaign, simpler=True):
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
-    more = f'leaves {share_of(gained)}' if gained else 'explains as much alone'
+    share, said = how_much_better(search, best, trial.fit)
+    more = said if share > PRACTICAL else 'explains as much alone'
     return dict.fromkeys(names, Unlisted(
         f'together come near, but {trial.what} in their place {more}', unknown))
 
@@ -130,12 +129,9 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
         return None
     for trial in _beside(search, best, left):
         search.unlisted.append((search.campaign, trial.fit.light()))
-        gained = sure(search, best, trial.fit)
-        told = trial.unknown
-        # Who says better what is left than its place and a formula do explains it.
-        rest = _REST_OF_LATE if told and told.enters == 'sensor' else REST
-        if gained and not (told and left and much_left(search, best, trial.fit, rest)):
-            return Unlisted(f'{trial.what} leaves {share_of(gained)}', told)
+        if better(search, best, trial.fit, search.campaign):
+            return Unlisted(f'{trial.what} {how_much_better(search, best, trial.fit)[1]}',
+                            trial.unknown)
     return None
 
 

@@ -24,7 +24,7 @@ import numpy as np
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
-_STILL = 1e-20  # squared step, scaled: what errors did on the way is rounding
+_STILL = 1e-8   # squared step, scaled: on so short a way errors tell nothing of the Jacobian
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 _AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]

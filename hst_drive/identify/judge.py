@@ -18,14 +18,12 @@ if TYPE_CHECKING:
     from hst_drive.identify.fit import Fit
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
-IN_EVENTS = 0.5         # the same where it shows in a few blocks
 # A real machine never follows one formula exactly: this share of what an effect does to a
 # signal may remain as error without being taken for one more effect.
 FORM_SHARE = 0.10
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
-_CLEAR = 0.5            # squared floors, by which a block's error clearly changes
 SIGNIFICANT = 3.0       # standard errors
 _HELD_OUT = 2.0         # on held-out data, where fitted data have those
 _FORM = 0.2             # of what is in already: below, it may be another form of that
@@ -36,8 +34,7 @@ class Gain(NamedTuple):
     What a model gains over another, by signal.
 
     ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
-    errors over blocks; ``amount`` the fall itself, in squared floors; ``votes`` by how many
-    standard errors more of the blocks that clearly change get better than get worse. ``shown`` is
+    errors over blocks; ``amount`` the fall itself, in squared floors. ``shown`` is
     how sure it is that the errors hold what the better model moves: where that is little in most
     blocks, squares fall by little more than their fall scatters.
     """
@@ -45,14 +42,13 @@ class Gain(NamedTuple):
     share: dict[str, float]
     sigma: dict[str, float]
     amount: dict[str, float]
-    votes: dict[str, float]
     shown: dict[str, float]
 
 
 def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray],
          moved: Mapping[str, np.ndarray] = {}) -> Gain:
     """Compare models by squares (``Campaign.blocks``): of errors, and of what ``moved`` there."""
-    share, sigma, amount, votes, shown = {}, {}, {}, {}, {}
+    share, sigma, amount, shown = {}, {}, {}, {}
     for name, first in before.items():
         valid = np.isfinite(first) & np.isfinite(after[name])
         if valid.sum() < 3:
@@ -66,12 +62,10 @@ def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray],
         amount[name] = float(difference.mean())
         share[name] = float(difference.mean() / max(first[valid].mean(), 1e-30))
         sigma[name] = float(clipped.mean() / error)
-        clear = difference[np.abs(difference) > _CLEAR]
-        votes[name] = float(np.sign(clear).sum() / max(len(clear), 1)**0.5)
         if name in moved:
             power = moved[name][valid]
             shown[name] = _shown(0.5 * (difference + power), power)
-    return Gain(share, sigma, amount, votes, shown)
+    return Gain(share, sigma, amount, shown)
 
 
 def _shown(product: np.ndarray, power: np.ndarray) -> float:

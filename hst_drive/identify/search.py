@@ -142,7 +142,8 @@ class Search:
         return candidate._replace(fit=fit(
             self.campaign, candidate.fit.model, iterations=0, refresh=True))
 
-    def gain(self, before: Candidate, after: Candidate, held_out: bool = True) -> Gain:
+    def gain(self, before: Candidate, after: Candidate,
+             held_out: bool | None = True) -> Gain:
         """Compare two candidates on held-out data, or on what was fitted."""
         first, last = before.fit.errors, after.fit.errors
         moved = [one - other for one, other in zip(first, last)]
