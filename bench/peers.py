@@ -164,7 +164,7 @@ def simulated(entry: Case, name: str | None, random: np.random.Generator) -> Cam
             size.typical - size.neutral) * float(random.uniform(0.5, 1.5))}
     drive = campaign.driver(Model(effects, unit))
     for replay in campaign.replays:
-        readings = replay.predict(drive).signals
+        readings = replay.predict(drive)
         noisy = {signal: values + replay.noise[signal] * random.standard_normal(len(values))
                  for signal, values in readings.items() if signal in replay.signals}
         runs.append(dataclasses.replace(

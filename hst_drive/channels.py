@@ -94,3 +94,8 @@ CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
     _command('motor_displacement_command', 'V', 'hydromotor displacement command', 'motor',
              'rig', False),
 )}
+
+COMMANDS = ('pump_command', 'pprv_command')
+LINES = ('line_a_pressure', 'line_b_pressure')
+PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')    # of the line under pressure
+TORQUES = ('motor_torque', 'load_torque')

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from hst_drive.api import given
+from hst_drive.channels import COMMANDS
 from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, LoadingUnit, parse_scenario
@@ -56,7 +57,7 @@ def play(rig: Rig, asked: Any, effects: Mapping[str, Any] | Iterable[str] | None
 
 
 def _commanded(rig: Rig, commands: Run, effects: Mapping[str, Any], seed: int) -> Run:
-    for name in ('pump_command', 'pprv_command'):
+    for name in COMMANDS:
         if name not in commands:
             raise InputError(f'{commands.source}: {name} is missing; the model needs it')
         if not np.isfinite(commands[name]).all():

@@ -12,11 +12,12 @@ import numpy as np
 from scipy.signal import lfilter
 
 INPUTS = ('pump_command', 'pprv_command', 'oil_temperature')
+_RATE = 100.0           # samples per second
 _ROUGH_TIME = 0.3       # s over which the ground's roughness is alike
 _ROUGH_SHARE = 0.0015   # of the greatest load torque
 
 
-def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -> Run:
+def rehearse(drive: Drive, scenario: Scenario, seed: int) -> Run:
     """
     Play a scenario on a model.
 
@@ -28,8 +29,6 @@ def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -
         What to play.
     seed : int
         Of roughness and sensor noise.
-    rate : float
-        Samples per second.
 
     Returns
     -------
@@ -38,8 +37,8 @@ def rehearse(drive: Drive, scenario: Scenario, seed: int, rate: float = 100.0) -
 
     """
     rig, random = drive.rig, np.random.default_rng([seed, 1])
-    time = np.arange(int(round(scenario.duration * rate))) / rate
-    decay = np.exp(-1.0 / rate / _ROUGH_TIME)
+    time = np.arange(int(round(scenario.duration * _RATE))) / _RATE
+    decay = np.exp(-1.0 / _RATE / _ROUGH_TIME)
     unit = LoadingUnit.of(rig.loading)
     size = _ROUGH_SHARE * unit.torque_of_command(unit.command[-1], 0.0)
     rough = lfilter([size * np.sqrt(1 - decay**2)], [1, -decay],

@@ -18,6 +18,7 @@ from hst_drive.design.trials import SPIN_UP
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.evidence import CREDIBLE, expected_odds
 from hst_drive.identify.fit import ended
+from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import formula_error, log_odds, Means
@@ -26,7 +27,6 @@ from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
 import numpy as np
-from scipy.optimize import lsq_linear
 
 CLEAR = (2 * CREDIBLE)**0.5     # sigma of the worst pair at which a diagnosis tells rivals apart
 EMPTY = 0.015           # of the relief valve's set pressure: the line is not safely filled
@@ -106,14 +106,9 @@ class Rehearsal:
         channels, columns = {*channels}, self._campaign.columns
         unknowns, vector = self.unknowns[rival], self.vectors[rival]
         apart = [other - own for other, own in zip(self._shifts[rival], self._shifts[truth])]
-        prior = np.zeros(len(vector))
-        prior[:unknowns.factors] = 1.0
         *jacobian, off = self._vectors([*self._moves[rival], apart], channels)
-        normal = np.array(jacobian) @ np.array(jacobian).T
-        gradient = prior * vector + np.array(jacobian) @ off
-        root = np.linalg.cholesky(normal + np.diag(prior) + np.diag(1e-9 * np.diag(normal) + 1e-9))
-        move = lsq_linear(root.T, np.linalg.solve(root, -gradient),
-                          (unknowns.low - vector - 1e-9, unknowns.high - vector + 1e-9)).x
+        move = Linearised(off, np.array(jacobian).T, vector, unknowns.factors).step(
+            unknowns.low - vector, unknowns.high - vector)
         left = [error + sum(step * moves[place] for step, moves in zip(move, self._moves[rival]))
                 for place, error in enumerate(apart)]
         moved = [own - bare for own, bare in zip(self._shifts[rival], self._bare)]
@@ -122,7 +117,7 @@ class Rehearsal:
                               if name in channels}, self._means.sensors,
                              formula_error(self.models[rival].effects))
         # What the unit is asked for counts, too.
-        asked = prior @ ((vector + move)**2 - vector**2)
+        asked = np.sum(((vector + move)**2 - vector**2)[:unknowns.factors])
         differences = {}
         for place, column in enumerate(columns):
             if column.signal in channels:

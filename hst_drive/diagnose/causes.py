@@ -16,6 +16,7 @@ from __future__ import annotations
 import copy
 from typing import Callable, Container, Iterator, Mapping, NamedTuple
 
+from hst_drive.diagnose.dependence import STATIC
 from hst_drive.diagnose.free_forms import better, faint, Freer, PATIENT, told_as, Trial
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
@@ -30,13 +31,7 @@ import numpy as np
 
 _NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
-# Signal: its formula, the variable of that, and the unit.
-_READINGS = {
-    'load_torque': ('formula_torque_reading', 'torque', 'N.m'),
-    'motor_speed': ('formula_speed_reading', 'speed', 'rad/s'),
-    'pump_outlet_pressure': ('formula_pressure_reading', 'pressure', 'Pa'),
-    'motor_inlet_flow': ('formula_flow_reading', 'flow', 'm^3/s'),
-}
+_READINGS = ('load_torque', 'motor_speed', 'pump_outlet_pressure', 'motor_inlet_flow')
 # Number of the datasheet, and where it enters. Leakage, lag and efficiency have effects of theirs.
 _NUMBERS = {'motor.displacement': 'flow', 'motor.inertia': 'torque', 'line.bulk_modulus': 'flow',
             'pump.displacement_vs_command': 'pump_actuator', 'loading.pprv_pressure': 'load',
@@ -107,12 +102,14 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
 
 def misreadings(campaign: Campaign) -> Iterator[Freer]:
     """Yield what the readings of a campaign may be off by: a zero and a span."""
-    for signal, (formula, variable, unit) in _READINGS.items():
+    for signal in _READINGS:
+        variable, title = STATIC[signal], CHANNELS[signal].title
+        formula = f'formula_{variable}_reading'
         if signal in campaign.signals and formula not in campaign.rig.effects:
-            title = CHANNELS[signal].title
             yield Freer(
                 f'a wrong zero or span in the reading of {title}', formula, ((), (variable,)),
-                Unknown('sensor', signal, (signal,), f'reading of {title} [{unit}]', (), 0.0))
+                Unknown('sensor', signal, (signal,),
+                        f'reading of {title} [{CHANNELS[signal].unit}]'))
 
 
 def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
@@ -158,4 +155,4 @@ def _off(search: Search, key: str, found: Fit, many: float) -> Trial:
     if key in _OR_ELSE:
         what += f', or {said(_OR_ELSE[key], -change)},'
     return Trial(what, found, Unknown(
-        _NUMBERS[key], search.campaign.signals[0], (), what, (), 0.0))
+        _NUMBERS[key], search.campaign.signals[0], (), what))

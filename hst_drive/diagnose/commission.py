@@ -21,7 +21,8 @@ from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import conditions
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.intervals import clusters, spread
+from hst_drive.identify.intervals import spread
+from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
@@ -185,17 +186,13 @@ def repeatability(campaign: Campaign, fitted: Fit) -> float:
     count = len(campaign.tolerances)
     residual = campaign.training(fitted.errors)
     owner = np.concatenate([np.full(len(column.fit), column.log) for column in campaign.columns])
-    jacobian = fitted.jacobian[:, :count]
+    jacobian, blocks = fitted.jacobian[:, :count], campaign.fitted_blocks()
     chance = -0.5 * count * (np.log(_SHARES**2) + DAY_TO_DAY**2 / _SHARES**2)
     for log in range(len(campaign.replays)):
         rows = np.flatnonzero(owner == log)
         slope = jacobian[rows].T @ residual[rows]
         curvature = jacobian[rows].T @ jacobian[rows]
-        noise = np.eye(count)
-        for block in clusters(campaign):
-            if owner[block[0]] == log:
-                push = jacobian[block].T @ residual[block]
-                noise += np.outer(push, push)
+        noise = np.eye(count) + squared_slopes(jacobian[rows], residual[rows], blocks[rows])
         for place, share in enumerate(_SHARES):
             spreads = noise + share**2 * curvature @ curvature
             chance[place] -= 0.5 * (np.linalg.slogdet(spreads)[1]

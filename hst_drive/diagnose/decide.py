@@ -117,7 +117,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
                for key, value in sizes.model.effects[name].items()},
         removed, rivals[name], dict(rig.effects.get(name, {})))
-        for name, removed in zip(order, _removed(search, ladder)))
+        for name, removed in zip(order, _removed(ladder)))
     ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     unseen = outside(rig, (*runs, *holdout))
@@ -192,7 +192,7 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
     return tuple(steps)
 
 
-def _removed(search: Search, ladder: Sequence[Step]) -> list[float]:
+def _removed(ladder: Sequence[Step]) -> list[float]:
     start = excess(ladder[1].holdout)
     return [min(max((excess(before.holdout) - excess(after.holdout)) / start, 0.0), 1.0)
             if start else 0.0

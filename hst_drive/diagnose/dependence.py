@@ -6,23 +6,23 @@ from __future__ import annotations
 from itertools import combinations_with_replacement
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.diagnose.isolate import Entry, WINDOW
+from hst_drive.channels import CHANNELS, COMMANDS
+from hst_drive.diagnose.isolate import Entry, smooth
 from hst_drive.effects.formula import (
-    FLOW, PRESSURE, REFERENCE, SPEED, TEXTS, TORQUE, WARMTH, written)
+    FLOW, PRESSURE, REFERENCE, SPEED, TERMS, TEXTS, TORQUE, WARMTH, written)
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import PRACTICAL
-from hst_drive.measure.run import CHANNELS
+from hst_drive.identify.linearised import squared_slopes
+from hst_drive.measure.readings import filled
 from hst_drive.model.drive import Drive, turned
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
-MOST_TERMS = 3
 _BINS, _BINS_OF_TWO = 12, 6
 _WORTH = 0.1            # share of the variance that a variable must add
 _MEMORY = 4.0           # s, creep of a valve
-_WARMED = 0.3           # of WARMTH, by which the oil must warm for it to explain anything
+WARMED_UP = 3.0         # K, by which the oil must warm to explain anything
 _STEP = 0.05            # s between the samples that are regressed
 # Channel: scale, shift, and its name in a formula that can be adopted.
 SCALES: dict[str, tuple[float, float, str]] = {
@@ -53,7 +53,7 @@ def samples(campaign: Campaign, model: Fit, place: Entry, sizes: Sequence[np.nda
     logs = [_variables(campaign, model, index) for index in range(len(campaign.replays))]
     names = [name for name in place.reads if all(name in entry for entry in logs)
              and not (name == 'oil_temperature' and np.ptp(np.concatenate(
-                 [entry[name] for entry in logs])) < _WARMED)]
+                 [entry[name] for entry in logs])) < WARMED_UP / WARMTH)]
     values, columns, blocks = [], {name: [] for name in names}, []
     for index, replay in enumerate(campaign.replays):
         step = max(int(_STEP / replay.run.sample_time), 1)
@@ -72,19 +72,11 @@ def samples(campaign: Campaign, model: Fit, place: Entry, sizes: Sequence[np.nda
 def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarray]:
     """Return the variables of one log, scaled to about one."""
     replay = campaign.replays[index]
-    run, static = replay.run, getattr(replay, 'static', False)
-    width = max(WINDOW / run.sample_time, 0.5)
-
-    def smooth(values: np.ndarray) -> np.ndarray:
-        return values if static else gaussian_filter1d(values, width)
-
-    found = {}
+    run, found = replay.run, {}
     for name, (scale, shift, _) in SCALES.items():
         values = replay.inputs.get(name)
-        if values is None and name in run:
-            good = np.flatnonzero(np.isfinite(run[name]))
-            if len(good):
-                values = smooth(np.interp(np.arange(len(run)), good, run[name][good]))
+        if values is None and name in run and np.isfinite(run[name]).any():
+            values = smooth(campaign, index, filled(run[name]))
         if values is not None:
             found[name] = (values - shift) / scale
     if 'motor_speed' in found and isinstance(campaign.drive, Drive):
@@ -92,12 +84,12 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
         found['load_torque'] = campaign.driver(model.model).load_torque(
             run.time, replay.inputs['pprv_command'], SPEED * found['motor_speed'],
             replay.inputs['oil_temperature'], replay.inputs.get('motor_angle')) / TORQUE
-    if static:
+    if getattr(replay, 'static', False):
         return found
-    for name in ('pump_command', 'pprv_command'):
+    for name in COMMANDS:
         if name in replay.inputs:
             raw = replay.inputs[name]
-            rate = np.gradient(smooth(raw), run.time)
+            rate = np.gradient(smooth(campaign, index, raw), run.time)
             found[f'{name}_rate'] = rate
             found[f'{name}_history'] = _last_direction(rate)
             share = 1 - np.exp(-run.sample_time / _MEMORY)
@@ -189,7 +181,7 @@ def regress(data: Samples, wanted: Callable[[str], bool]) -> tuple[list[dict], f
     values, fold = data.values, data.held_out
     chosen: list[tuple[str, ...]] = []
     whole = error = float(np.mean(values[fold]**2))
-    for _ in range(MOST_TERMS):
+    for _ in range(TERMS):
         best, best_error = None, error
         for product, column in columns.items():
             if product in chosen:
@@ -219,10 +211,7 @@ def _spread(matrix: np.ndarray, values: np.ndarray, fitted: np.ndarray,
     """Return standard deviations of the coefficients, blocks as clusters."""
     left = values - matrix @ fitted
     inverse = np.linalg.pinv(matrix.T @ matrix)
-    meat = np.zeros_like(inverse)
-    for number in np.unique(block):
-        push = matrix[block == number].T @ left[block == number]
-        meat += np.outer(push, push)
+    meat = squared_slopes(matrix, left, block)
     return np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
 
 

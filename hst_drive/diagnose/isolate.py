@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Container, NamedTuple
 
+from hst_drive.channels import LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
@@ -26,13 +27,11 @@ from scipy.ndimage import gaussian_filter1d
 
 WINDOW = 0.10       # s, standard deviation of the smoothing
 _QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
-_LINES = ('line_a_pressure', 'line_b_pressure')
-_PRESSURE = ('pump_outlet_pressure', 'motor_inlet_pressure')
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
 _LOAD = ('pprv_command', 'motor_speed', 'oil_temperature', 'load_torque', *_ANGLE,
          'pprv_command_rate', 'pprv_command_history', 'pprv_command_creep')
-_TORQUE = (*_PRESSURE, 'motor_speed', 'oil_temperature', *_ANGLE)
-_PUMP = (*_PRESSURE, 'pump_command', 'oil_temperature', 'pump_command_rate',
+_TORQUE = (*PRESSURES[::-1], 'motor_speed', 'oil_temperature', *_ANGLE)
+_PUMP = (*PRESSURES[::-1], 'pump_command', 'oil_temperature', 'pump_command_rate',
          'pump_command_history', 'pump_speed')
 
 
@@ -109,8 +108,8 @@ def _parts(campaign: Campaign) -> list[Entry]:
 def _read(entry: Balance, in_circuit: bool) -> tuple[str, ...]:
     """Return what a missing term of a balance may depend on."""
     if in_circuit:
-        return {'flow': (*_LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
-                'torque': (*_LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}.get(
+        return {'flow': (*LINES, 'motor_speed', 'pump_command', 'oil_temperature', 'pump_speed'),
+                'torque': (*LINES, 'motor_speed', 'oil_temperature', *_ANGLE)}.get(
                     entry.enters, _PUMP)
     if any('pump_command' in need for need in entry.needs):
         return _PUMP
@@ -123,13 +122,14 @@ def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]
     """Return model minus measurement over the floor, smoothed, log by log."""
     logs: list[dict[str, np.ndarray]] = [{} for _ in campaign.replays]
     for error, column in zip(model.errors, campaign.columns):
-        used = _used(campaign, column.log, column.signal)
-        clean = np.where(used, np.clip(error * column.trust, -50, 50), 0.0)
-        logs[column.log][column.signal] = _smooth(campaign, column.log, clean)
+        clean, used = np.zeros(len(error)), column.rows(None)
+        clean[used] = np.clip(error * column.trust, -50, 50)[used]
+        logs[column.log][column.signal] = smooth(campaign, column.log, clean)
     return logs
 
 
-def _smooth(campaign: Campaign, log: int, values: np.ndarray) -> np.ndarray:
+def smooth(campaign: Campaign, log: int, values: np.ndarray) -> np.ndarray:
+    """Return values of a log without what is faster than ``WINDOW``; of a table as they are."""
     replay = campaign.replays[log]
     if getattr(replay, 'static', False):
         return values
@@ -199,7 +199,7 @@ def sizes(campaign: Campaign, model: Fit,
         if found is None:
             found = _project(campaign, index, errors[index], place)[0]
         used = _used(campaign, index, place.signal) & np.isfinite(found)
-        values.append(_smooth(campaign, index, np.where(used, found, 0.0)))
+        values.append(smooth(campaign, index, np.where(used, found, 0.0)))
         counts.append(used)
     return values, counts
 
@@ -221,4 +221,4 @@ def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> n
     own = campaign.replays[index].inputs.get('motor_angle')
     if own is not None and 'motor_angle' in replay.inputs:
         replay.turn(float(own[0] - replay.inputs['motor_angle'][0]))
-    return place.sign * (replay.run[signal] - replay.predict(part).signals[signal])
+    return place.sign * (replay.run[signal] - replay.predict(part)[signal])

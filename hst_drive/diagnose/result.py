@@ -113,8 +113,8 @@ class Unknown(NamedTuple):
     signal: str
     depends_on: tuple[str, ...]
     expression: str
-    terms: tuple[dict, ...]
-    explained: float
+    terms: tuple[dict, ...] = ()
+    explained: float = 0.0
     formula: Formula | None = None
 
 

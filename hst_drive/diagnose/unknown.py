@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import (
-    depends_on, expression, regress, Samples, samples, STATIC)
+    depends_on, expression, regress, samples, STATIC)
 from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
@@ -78,7 +78,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
             carried = reading
             place, terms = _reading(place, terms, per_torque)
     enters = place.enters
-    if place.formula == 'formula_pump_flow' and _by_command(data, depends, terms):
+    if place.formula == 'formula_pump_flow' and _by_command(depends, terms):
         enters = 'pump_actuator'
     return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
                    explained, worth(campaign, model, carried) if carried else None)
@@ -92,10 +92,10 @@ def _noise(campaign: Campaign) -> float:
 
 def sensor_that_drifts(channel: str) -> Unknown:
     """Return what is left where a reading parts from all others with time."""
-    return Unknown('sensor', channel, ('time',), '', (), 0.0)
+    return Unknown('sensor', channel, ('time',), '')
 
 
-def _by_command(data: Samples, depends: Sequence[str], terms: Sequence[dict]) -> bool:
+def _by_command(depends: Sequence[str], terms: Sequence[dict]) -> bool:
     """Say whether the command's motion, or the command alone, tells the missing oil."""
     moving = any(name.startswith('pump_command_') for term in terms[:1]
                  for name in term['variables'])

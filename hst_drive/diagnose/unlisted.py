@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import Callable, Container, Iterator, NamedTuple
 
+from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
     better, fitted_freer, Freer, how_much_better, told_as, Trial)
 from hst_drive.diagnose.result import Unknown
@@ -30,7 +31,6 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the timing and the unit in turn
-_WARMED_UP = 3.0        # K, by which the oil must warm to explain anything
 # Slot of an effect: what is tried in its place.
 _FREER = {
     **dict.fromkeys(('pump_flow_loss', 'pump_speed'), Freer(
@@ -39,7 +39,7 @@ _FREER = {
     'pump_command': Freer(
         'a bent curve of the flow meter', 'formula_flow_reading', (('flow',), ('flow', 'flow')),
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
-                'flow reading [m^3/s]', (), 0.0)),
+                'flow reading [m^3/s]')),
 }
 # In the place of several effects that pressure shows: together they imitate much.
 _SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
@@ -47,7 +47,7 @@ _OF_WARMTH = (
     Freer('a torque that goes with the oil temperature alone', 'formula_torque',
           ((), ('warmth',), ('warmth', 'warmth')),
           Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
-                  'torque of the hydromotor [N.m]', (), 0.0)),
+                  'torque of the hydromotor [N.m]')),
     Freer('a reading of load torque that goes with the oil temperature', 'formula_torque_reading',
           ((), ('warmth',), ('torque', 'warmth')),
           Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]', (),
@@ -96,7 +96,7 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
 def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     """Return the effects in whose common place what goes with the oil's warmth fits better."""
     names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
-    if len(names) < 2 or not _WARMED_UP <= np.ptp(np.concatenate(
+    if len(names) < 2 or not WARMED_UP <= np.ptp(np.concatenate(
             [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
         return {}
     model = best.fit.model
@@ -153,7 +153,7 @@ def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[T
     if turned.replays[0].torque not in turned.signals:
         # Where no load is recorded what is left cannot say that it is one.
         seen = trial._replace(unknown=Unknown(
-            'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]', (), 0.0))
+            'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]'))
         trial = trial._replace(unknown=told_as(turned, lambda: best.fit, seen))
     yield trial
 
@@ -163,7 +163,7 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
     found = [np.zeros(len(replay.run)) for replay in campaign.replays]
     for error, column in zip(fitted.errors, campaign.columns):
         if column.signal == campaign.replays[column.log].torque:
-            read = np.concatenate([column.fit, column.judge])
+            read = column.rows(None)
             found[column.log][read] = -(error * column.trust)[read]
     return found
 
@@ -196,7 +196,7 @@ def _answered(search: Search, fitted: Fit, timing: Timing) -> Trial:
                      known=search.base.columns)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
-                                       (timing.depends_on,), timing.where + what, (), 0.0))
+                                       (timing.depends_on,), timing.where + what))
 
 
 def _cost_of(campaign: Campaign, model: Model, timing: Timing) -> Callable[[float], float]:

@@ -31,13 +31,10 @@ import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
-EVENTS = 0.07           # share of the blocks that single events may spoil
 _SLOW_EVENTS = 0.35     # the same where rows miss what the controller does about them
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
-FINEST = 0.008          # s: faster records are averaged; the drive has nothing to show there
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
-_HOLDOUT_BLOCK = 6.0    # s; without a hold-out log every third block of this length is held out
 ELSEWHERE = 'has no place in this circuit'
 
 
@@ -82,8 +79,9 @@ class Campaign:
 
     """
 
-    block, finest = BLOCK, FINEST
-    events = EVENTS
+    block = BLOCK
+    finest = 0.008  # s: faster records are averaged; the drive has nothing to show there
+    events = 0.07   # share of the blocks that single events may spoil
     searched: tuple[str, ...] = ('always',)
     by_balance = False      # nothing is replayed: what is judged are balances, smoothed
     advice = ''     # what to record next; empty: a test can be designed
@@ -217,7 +215,7 @@ class Campaign:
         if named:
             part = np.full(len(time), 1 if training else -1)
         else:
-            block = (time / _HOLDOUT_BLOCK).astype(int)
+            block = (time / (3 * BLOCK)).astype(int)
             part = np.where(block % 3 == 1, -1, 1)
             if block[-1] < 2:
                 part = np.where(time < 0.67 * time[-1], 1, -1)
@@ -288,7 +286,7 @@ class Campaign:
         """
         drive = self.driver(model)
         fitted = [bool((part > 0).any()) for part in self._weights]
-        given = [replay.predict(drive).signals
+        given = [replay.predict(drive)
                  if (fit or not to_fit) and not (fit and known) else None
                  for replay, fit in zip(self.replays, fitted)]
         errors = []
@@ -310,12 +308,16 @@ class Campaign:
                                for error, column in zip(errors, self.columns)])
 
     def without_events(self, residual: np.ndarray) -> np.ndarray:
-        """Say which of the errors to fit on are not in the worst blocks (``EVENTS``)."""
-        block = np.concatenate([self._block[column.log][column.fit] for column in self.columns])
+        """Say which of the errors to fit on are not in the worst blocks (``events``)."""
+        block = self.fitted_blocks()
         used, block = np.unique(block, return_inverse=True)
         power = np.bincount(block, residual**2)
         worst = np.argsort(power)[len(used) - int(np.ceil(self._spoilt() * len(used))):]
         return ~np.isin(block, worst)
+
+    def fitted_blocks(self) -> np.ndarray:
+        """Return the number of its block for each sample of ``training``."""
+        return np.concatenate([self._block[column.log][column.fit] for column in self.columns])
 
     @cached_property
     def _block(self) -> list[np.ndarray]:
@@ -335,7 +337,7 @@ class Campaign:
         """
         Return the noise ratio by signal, over all logs.
 
-        The worst blocks (a share of ``EVENTS``) are left out: an error confined to a few
+        The worst blocks (a share of ``events``) are left out: an error confined to a few
         seconds is an event, not physics that the model lacks.
         """
         ratios = {}

@@ -14,12 +14,11 @@ from typing import Mapping, NamedTuple
 
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import differences, Fit
+from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
 
-# Of the squared tolerance: a datasheet's tables say nothing of what lies between their points.
-_BETWEEN_POINTS = 1.0
 FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
 
 
@@ -39,12 +38,13 @@ class Spread(NamedTuple):
 
 
 def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
-           between_points: float = _BETWEEN_POINTS) -> Spread:
+           between_points: float = 1.0) -> Spread:
     """
     Return how far the unknowns of a fit may be off, shapes that it kept among them.
 
     ``forms`` are the shares of effects by which they may be off their formulas, if more than
-    usual, ``between_points`` is what the tables leave open, of the squared tolerance.
+    usual, ``between_points`` is what the tables leave open
+    between their points, of the squared tolerance.
     """
     unknowns = Unknowns(campaign, fitted.model)
     vector = unknowns.pack(fitted.model)
@@ -60,9 +60,7 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
     residual = campaign.training(fitted.errors)
     meat = np.diag(np.where(unit, 1.0 + between_points, prior))
-    for rows in clusters(campaign):
-        push = jacobian[rows].T @ residual[rows]
-        meat += np.outer(push, push)
+    meat += squared_slopes(jacobian, residual, campaign.fitted_blocks())
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
         own = np.array([effect == name for effect, _ in unknowns.names]) * (vector - before)
@@ -85,7 +83,7 @@ def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
 
 
 def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
-              level: float = 0.95) -> dict[tuple[str, str], tuple[float, float]]:
+              ) -> dict[tuple[str, str], tuple[float, float]]:
     """
     Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.
 
@@ -95,7 +93,7 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     """
     found = spread(campaign, fitted, forms)
     unknowns, values = found.unknowns, found.unknowns.mix(found.vector)
-    width = norm.ppf(0.5 + level / 2) * np.sqrt(np.diag(
+    width = norm.ppf(0.975) * np.sqrt(np.diag(
         unknowns.mix(unknowns.mix(found.covariance).T)))
     away = values - unknowns.mix(found.before)
     first = {(name, next(iter(shape))) for name, shape in fitted.model.effects.items()}
@@ -108,18 +106,3 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
         [away[open_] / ratio, away[open_] * ratio], axis=0)
     low, high = np.clip(ends, *unknowns.bounds.T)
     return {name: (float(a), float(b)) for name, a, b in zip(unknowns.names, low, high)}
-
-
-def clusters(campaign: Campaign) -> list[np.ndarray]:
-    """Return the rows of the training vector that belong to one block of one log."""
-    clusters: dict[tuple[int, int], list[np.ndarray]] = {}
-    start = 0
-    for column in campaign.columns:
-        time = campaign.replays[column.log].run.time
-        numbers = ((time[column.fit] - time[0]) / campaign.block).astype(int)
-        if len(numbers):
-            edges = np.flatnonzero(np.diff(numbers)) + 1
-            for part in np.split(np.arange(len(numbers)), edges):
-                clusters.setdefault((column.log, int(numbers[part[0]])), []).append(part + start)
-        start += len(column.fit)
-    return [np.concatenate(parts) for parts in clusters.values()]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, TYPE_CHECKING
 
+from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 import numpy as np
 
@@ -18,9 +19,6 @@ if TYPE_CHECKING:
     from hst_drive.identify.fit import Fit
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
-# A real machine never follows one formula exactly: this share of what an effect does to a
-# signal may remain as error without being taken for one more effect.
-FORM_SHARE = 0.10
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
@@ -33,7 +31,7 @@ class Gain(NamedTuple):
     """
     What a model gains over another, by signal.
 
-    ``share`` is the relative fall of the held-out squared error; ``sigma`` its size in standard
+    ``share`` is the relative fall of the squared error; ``sigma`` its size in standard
     errors over blocks; ``amount`` the fall itself, in squared floors. ``shown`` is
     how sure it is that the errors hold what the better model moves: where that is little in most
     blocks, squares fall by little more than their fall scatters.
@@ -156,7 +154,7 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     for name, ratio in own.ratios(fitted.errors, held_out).items():
         common = _squared_floors(campaign, own, name, held_out)
         if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
-                       + common * (FORM_SHARE * done.get(name, 0.0))**2):
+                       + common * (FORMULA_ERROR * done.get(name, 0.0))**2):
             left[name] = ratio
     return left
 

@@ -66,3 +66,17 @@ class Linearised:
                                  [across[None, :], np.array([[column @ column]])]])
         other.gradient = np.append(self.gradient, column @ residual)
         return other
+
+
+def squared_slopes(jacobian: np.ndarray, residual: np.ndarray,
+                   cluster: np.ndarray) -> np.ndarray:
+    """
+    Return the slope of the squared error times itself, summed over clusters of samples.
+
+    The middle of a sandwich covariance, shape (unknowns, unknowns): samples of one cluster, by
+    its number, may go together (P. Huber, Fifth Berkeley Symposium, 1967).
+    """
+    order = np.argsort(cluster, kind='stable')
+    starts = np.flatnonzero(np.diff(cluster[order], prepend=-1))
+    slopes = np.add.reduceat((jacobian * residual[:, None])[order], starts)
+    return np.asarray(slopes.T @ slopes)

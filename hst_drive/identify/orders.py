@@ -6,12 +6,12 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.identify.campaign import Campaign
+from hst_drive.measure.turns import SLOW
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 LOWEST, HIGHEST = 3, 40     # swings per turn: pistons of one machine, times the lobes of its cam
 _AS_STRONG = 0.5            # of the strongest
-_SLOW = 0.1                 # s, standard deviation of what is taken away as no swing
 _SEEN = 0.4                 # of the sampling rate: what swings faster is not seen
 
 
@@ -26,7 +26,7 @@ def strongest_orders(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[i
             continue
         step = replay.run.sample_time
         swing = error * column.trust
-        swing = (swing - gaussian_filter1d(swing, _SLOW / step))[column.fit]
+        swing = (swing - gaussian_filter1d(swing, SLOW / step))[column.fit]
         speed = np.abs(np.gradient(angle, replay.run.time)[column.fit])
         turn = np.exp(-1j * angle[column.fit])
         wave = turn**LOWEST

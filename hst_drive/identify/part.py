@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from typing import Sequence
 
+from hst_drive.channels import TORQUES
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import (
-    BLOCK, Campaign, ELSEWHERE, EVENTS, Model, SETTLE)
+    BLOCK, Campaign, ELSEWHERE, Model, SETTLE)
 from hst_drive.identify.columns import columns
 from hst_drive.identify.observable import unread
-from hst_drive.measure.balances import is_part, TORQUES
+from hst_drive.measure.balances import is_part
 from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
@@ -72,8 +73,9 @@ class PartCampaign(Campaign):
         # Of a part nobody knows which flow is usual: a bench may have any.
         self._flow = 1.0 if rig.circuit == OPEN else (
             self._speed * DRILLING_SPEED * self.drive.motor_displacement / _FLOW)
-        # Operating points are chosen one by one: there are no events among them.
-        self.events = 0.0 if tables else EVENTS
+        if tables:
+            # Operating points are chosen one by one: there are no events among them.
+            self.events = 0.0
 
     def parameter(self, name: str, key: str) -> Parameter:
         """Return a parameter with bounds that go with the torques and speeds of the logs."""
@@ -179,9 +181,7 @@ class PartCampaign(Campaign):
         count = 0.0
         for column in self.columns:
             if column.signal == name:
-                step = self.replays[column.log].run.sample_time
-                count += len(column.rows(held_out)) * (
-                    1.0 if self.replays[column.log].static else min(10 * step, 1.0))
+                count += len(column.rows(held_out)) * self.thinning(column)**2
         return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
 
     def _moves(self, model: Model) -> bool:

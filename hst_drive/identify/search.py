@@ -37,7 +37,7 @@ _HOPE = 0.05    # of the squared error: below, what is near the noise is left al
 
 
 class Candidate(NamedTuple):
-    """A fitted set of effects and what it gains over the calibrated baseline."""
+    """A fitted set of effects and its score; lower is better."""
 
     names: tuple[str, ...]
     fit: Fit
@@ -74,7 +74,7 @@ class Search:
         self.unlisted: list[tuple[Campaign, Fit]] = []
 
     def score(self, fitted: Fit) -> float:
-        """Return the held-out squared error plus what the priors ask; lower is better."""
+        """Return the score of a fit (``fit.score``); lower is better."""
         return score(self.campaign, fitted)
 
     def try_all(self, sets: Sequence[tuple[tuple[str, ...], Fit]], what: str,

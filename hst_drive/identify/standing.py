@@ -56,7 +56,7 @@ def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float
     """Return what is left beyond noise and chance over what was taken away, both rms."""
     first, last = (campaign.ratios(entry.errors, held_out) for entry in (before, after))
     own, fitted = judged(campaign, after)
-    left = sum(max(ratio**2 - AT_NOISE**2 - own.scatter(name), 0.0)
+    left = sum(max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0)
                for name, ratio in own.ratios(fitted.errors, held_out).items())
     return float(np.sqrt(left / max(excess(first) - excess(last), 1e-9)))
 

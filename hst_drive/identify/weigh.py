@@ -3,7 +3,7 @@
 """What a search has fitted, as explanations that are weighed against each other (``evidence``)."""
 from __future__ import annotations
 
-from typing import Iterable, Iterator, NamedTuple, Sequence, TYPE_CHECKING
+from typing import Iterable, Iterator, Sequence, TYPE_CHECKING
 
 from hst_drive.effects import catalogue, flexible
 from hst_drive.effects.base import FORMULA_ERROR
@@ -21,13 +21,6 @@ if TYPE_CHECKING:
 
 _QUICK = 0.03   # s: with the right model pressure, flow and speed are alike for 0.01 to 0.04
 _ROUGH = 0.03   # of the squared floor: white noise that floors do not know
-
-
-class _Piece(NamedTuple):
-    """A stretch of means of a column (its place) without a gap."""
-
-    column: int
-    bins: np.ndarray
 
 
 class Means:
@@ -74,13 +67,14 @@ class Means:
                              float(np.sqrt(np.mean(np.concatenate(powers[name])))))
                 for name, lengths in parts.items() if lengths}
 
-    def _cut(self) -> Iterator[_Piece]:
+    def _cut(self) -> Iterator[tuple[int, np.ndarray]]:
+        """Yield stretches without a gap: place of a column, and which of its means."""
         most = round(PIECE / BIN)
         for place, (_, number, _) in enumerate(self._bins):
             full = np.unique(number)
             for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):
                 for start in range(0, len(stretch), most):
-                    yield _Piece(place, stretch[start:start + most])
+                    yield place, stretch[start:start + most]
 
 
 def weigh(search: Search, best: Candidate) -> Probability:

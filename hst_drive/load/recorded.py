@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from hst_drive.channels import TORQUES
 from hst_drive.errors import InputError
 from hst_drive.load.keys import Keys
 from hst_drive.load.profile_sections import COMMAND, Quantity, SPEED, TEMPERATURE, TORQUE
@@ -19,9 +20,8 @@ from hst_drive.units import from_si, to_si
 import numpy as np
 
 KIND = 'recorded'
-TORQUES = ('load_torque', 'motor_torque')
 _QUANTITIES = {'speed_setpoint': SPEED, 'oil_temperature': TEMPERATURE, 'pump_command': COMMAND,
-               'pprv_command': COMMAND, **dict.fromkeys(TORQUES, TORQUE)}
+               'pprv_command': COMMAND, **dict.fromkeys(TORQUES[::-1], TORQUE)}
 _HELD = ('speed_setpoint', 'pump_command', 'pprv_command')
 _TURNING = 0.5          # of the set point: the drive runs already
 _SLOW = 2.0             # s before and after
@@ -87,7 +87,7 @@ class Recorded:
     def load(self, keys: Keys) -> tuple[Profile | None, Profile | None]:
         """Return the load as torque (N.m), or else as PPRV command (V), of a section."""
         keys.take('kind')
-        there, known = self.recording.channels, ('pprv_command', *TORQUES)
+        there, known = self.recording.channels, ('pprv_command', *TORQUES[::-1])
         found = [name for name in known if name in there]
         channel = keys.choice('channel', known) if keys.has('channel') else (*found, '')[0]
         keys.done()

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from typing import Any, Callable, Container
 
+from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
-from hst_drive.measure.equations import PRESSURES
 from hst_drive.measure.run import Run
 from hst_drive.model.circuits import Balance
 from hst_drive.rig import Rig
 import numpy as np
 
-TORQUES = ('motor_torque', 'load_torque')
 SLOWEST = 0.5           # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
 _FEW = 5                # rows: fewer tell nothing

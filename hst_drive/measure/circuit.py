@@ -13,8 +13,8 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table, lacking
 from hst_drive.measure.between import Between, HELD
-from hst_drive.measure.circuit_balances import SETTLES, tell
-from hst_drive.measure.part import PartReplay
+from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
+from hst_drive.measure.part import PartReplay, USUAL
 from hst_drive.measure.readings import filled
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.circuit_model import CircuitModel
@@ -23,9 +23,7 @@ from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
-_CHANGES = 0.1      # s before and after what a balance hangs on that are not judged
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
-_SIZE = 95.0        # percentile of a reading's size
 _SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 
@@ -71,7 +69,7 @@ class CircuitReplay(PartReplay):
 
     def _fast_misfit(self, model: CircuitModel) -> float:
         """Return the squared error from row to row, over what changes; slow errors are others'."""
-        found = self.predict(model).signals
+        found = self.predict(model)
         return sum(float(np.nanmean(np.diff(found[name] - self.run[name])**2)
                          / max(np.nanmean(np.diff(self.run[name])**2), 1e-30))
                    for name in self.signals)
@@ -86,7 +84,7 @@ class CircuitReplay(PartReplay):
         late, found = np.interp(time - _SMALL * model.steps[1], time, settled), []
         for values in (settled, late, at_rest):
             self._channels = {**known, moved: values}
-            found.append(self.predict(model).signals)
+            found.append(self.predict(model))
         self._channels = known
         return {name: np.hypot(values - found[1][name], values - found[2][name])
                 for name, values in found[0].items()}
@@ -127,7 +125,7 @@ class CircuitReplay(PartReplay):
         found = model.run(run.time - run.time[0], known, told)
         simple = np.any([found[when] >= 1.0 for when in needed], axis=0)
         # No moment may pass unseen in which the equations jump.
-        width = 2 * int(_CHANGES / run.sample_time) + 1
+        width = 2 * int(CHANGES / run.sample_time) + 1
         return minimum_filter1d(simple.astype(np.int8), width) > 0
 
     def _unjudged(self, name: str) -> np.ndarray | bool:
@@ -168,14 +166,14 @@ class CircuitReplay(PartReplay):
         return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
                     self._behind(model, channels), before)
 
-    def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
+    def floor(self, model: PartModel) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        found = super().floor(model, seed)
+        found = super().floor(model)
         for name, noise in found.items():
             size = np.abs(self.run[name][self.counted(name)])
             if len(size):
                 found[name] = float(np.hypot(
-                    noise, self._by_name[self.balances[name]].sheet * np.percentile(size, _SIZE)))
+                    noise, self._by_name[self.balances[name]].sheet * np.percentile(size, USUAL)))
         return found
 
 

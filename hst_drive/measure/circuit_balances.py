@@ -22,6 +22,7 @@ from hst_drive.rig import Rig
 import numpy as np
 
 _STEP = 0.5         # of the actuator's lag, while the drive runs
+CHANGES = 0.1        # s before and after what a balance hangs on that are not judged
 SETTLES = 2.0       # s before the first row in which the actuator settles on its command
 # Sensors that are off: the slot of the term by the signal that it is added to.
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),

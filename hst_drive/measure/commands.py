@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
+from hst_drive.measure.run import FEWEST
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
@@ -19,7 +20,6 @@ _EVEN = 1e-5            # s: steadier time stamps than this are even
 _FIRST = 500            # rows for a first guess of the time between them
 _SLOWER = 0.1           # share by which that may be off the median of their distances
 _OF_LATE = 0.5          # s, for which a step of a command moves the drive
-_FEWEST = 8             # changes of the command below which nothing can be told
 _UNEVEN = 0.2           # of the time between rows: what varies more has no rows of its own
 _CONTRARY = 0.05        # share of the changes that may contradict; by chance it is a quarter
 
@@ -85,7 +85,7 @@ def controller_steps(time: np.ndarray, commands: Mapping[str, np.ndarray]) -> di
         changes = [(np.diff(command) != 0) & beside for command in commands.values()]
         count = sum(int(changed.sum()) for changed in changes)
         contrary = sum(int((changed & ~early[:-1] & early[1:]).sum()) for changed in changes)
-        straddled = count >= _FEWEST and contrary <= _CONTRARY * count
+        straddled = count >= FEWEST and contrary <= _CONTRARY * count
     if not straddled:
         early = np.zeros(len(time), dtype=bool)
     # From each row to the next: how many steps there were, and which of them the two rows show.
@@ -109,7 +109,7 @@ def _grid(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     As they come, and none late, where that is not clear.
     """
     plain = np.arange(len(time))
-    if len(time) < _FEWEST:
+    if len(time) < FEWEST:
         return plain, np.zeros(len(time))
     known = min(_FIRST, len(time))
     origin, period = _beat(time[:known])

@@ -11,7 +11,7 @@ from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.circuit import part_replay
-from hst_drive.measure.errors import ErrorSummary, summarise
+from hst_drive.measure.errors import ErrorSummary, Moments, summarise
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.kept_replay import KeptReplay
@@ -140,8 +140,12 @@ def together(rig: str, logs: Sequence[LogComparison], *, closed_loop: bool = Fal
 
 def pooled(logs: Sequence[LogComparison]) -> dict[str, ErrorSummary]:
     """Return the errors of logs as if they were one, signal by signal."""
-    names = dict.fromkeys(name for log in logs for name in log.signals)
-    return {name: _pool([log for log in logs if name in log.signals], name) for name in names}
+    found: dict[str, Moments] = {}
+    for log in logs:
+        for name, entry in log.signals.items():
+            found.setdefault(name, Moments()).add(
+                log.model[name], log.measured(name), entry.noise_std, entry.floor)
+    return {name: entry.summary(CHANNELS[name].unit) for name, entry in found.items()}
 
 
 def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False,
@@ -171,16 +175,6 @@ def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False
     signals = {name: summarise(model[name], log.measured(name), CHANNELS[name].unit,
                                noise[name], floor[name]) for name in model}
     return log._replace(signals=signals, delays=delays)
-
-
-def _pool(logs: Sequence[LogComparison], name: str) -> ErrorSummary:
-    """Judge one signal over several logs; noise and floor are the logs' mean squares."""
-    weights = np.array([max(log.signals[name].samples, 1) for log in logs], dtype=float)
-    noise, floor = (math.sqrt(float(weights @ [getattr(log.signals[name], key)**2 for log in logs]
-                                    / weights.sum())) for key in ('noise_std', 'floor'))
-    return summarise(np.concatenate([log.model[name] for log in logs]),
-                     np.concatenate([log.measured(name) for log in logs]),
-                     CHANNELS[name].unit, noise, floor)
 
 
 def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: float) -> float:
@@ -215,12 +209,14 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
     """
     if isinstance(drive, PartModel):
         part = part_replay(run, drive)
-        return _Aligned(part, 0.0, dict(part.predict(drive).signals), part.floor(drive))
+        return _Aligned(part, 0.0, dict(part.predict(drive)), part.floor(drive))
     first = last = _replayed(run, drive, count, 0.0)
     power = []
     for _ in range(4):
-        model, floor = last.model, last.floor
-        measured = {name: np.where(count.samples, run[name], np.nan) for name in model}
+        floor = last.floor
+        measured = {name: np.where(count.samples, run[name], np.nan) for name in last.model}
+        model = {name: values for name, values in last.model.items()
+                 if np.isfinite(values + measured[name]).any()}
         power.append(sum(float(np.nanmean((model[name] - measured[name])**2)) / floor[name]**2
                          for name in model))
         found = _common({name: _delay(run.time, model[name], measured[name], floor[name])
@@ -240,7 +236,7 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
 def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
     replay = KeptReplay(run, drive)
     model = {name: np.where(replay.counted(name) | ~np.isfinite(run[name]), values, np.nan)
-             for name, values in replay.predict(drive).signals.items()}
+             for name, values in replay.predict(drive).items()}
     return _Aligned(replay, shift, model, replay_floor(replay, drive, count=count.samples))
 
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, NamedTuple
 
+from hst_drive.channels import PRESSURES
 from hst_drive.measure.start import resting
 from hst_drive.model.part import PartModel
 import numpy as np
 
-PRESSURES = ('motor_inlet_pressure', 'pump_outlet_pressure')
 _READ = ('motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature',
          'viscosity_ratio')
 Known = Mapping[str, Any]

@@ -12,7 +12,7 @@ import numpy as np
 _EVENT = 2.0    # s
 
 
-def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
+def replay_floor(replay: Replay, drive: Drive,
                  count: np.ndarray | None = None) -> dict[str, float]:
     """
     Return the rmse, by signal, that a perfect model would still show.
@@ -28,15 +28,13 @@ def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
         The recording.
     drive : Drive
         The model.
-    seed : int, optional
-        Of the draws.
     count : ndarray of bool, shape (n,), optional
         Which samples are judged, all unless given.
 
     """
     power = {name: replay.noise[name]**2 for name in replay.signals}
     if not replay.can_correct:
-        given = replay.predict(drive).signals
+        given = replay.predict(drive)
         for name in replay.signals:
             rest = filled(replay.run[name] - given[name])
             rest = rest - replay.readings.slow(rest)
@@ -46,19 +44,19 @@ def replay_floor(replay: Replay, drive: Drive, seed: int = 0,
         misread = replay.misread(drive)
         power[replay.torque] = misread.noise_std**2
         if misread.std > 0:
-            added += [*replay.shaken(drive, seed, count), {replay.torque: misread.std**2}]
+            added += [*replay.shaken(drive, count), {replay.torque: misread.std**2}]
     if any(steps.guessed for steps in replay.steps.values()):
-        added.append(_of_guesses(replay, drive, seed))
+        added.append(_of_guesses(replay, drive))
     for entry in added:
         for name, value in entry.items():
             power[name] += value
     return {name: float(np.sqrt(value)) for name, value in power.items()}
 
 
-def _of_guesses(replay: Replay, drive: Drive, seed: int) -> dict[str, float]:
+def _of_guesses(replay: Replay, drive: Drive) -> dict[str, float]:
     """Return the squared error, by signal, that commands make which no row shows."""
-    base = replay.predict(drive).signals
-    random = np.random.default_rng(seed)
+    base = replay.predict(drive)
+    random = np.random.default_rng(0)
     time = replay.run.time
     # Only blocks with rows: a record may pause for longer than a block.
     block = np.unique(((time - time[0]) / _EVENT).astype(int), return_inverse=True)[1]
@@ -66,7 +64,7 @@ def _of_guesses(replay: Replay, drive: Drive, seed: int) -> dict[str, float]:
     power = dict.fromkeys(base, 0.0)
     for _ in range(DRAWS):
         moved = replay.predict(drive, commands={
-            name: steps.draw(random) for name, steps in replay.steps.items()}).signals
+            name: steps.draw(random) for name, steps in replay.steps.items()})
         for name in base:
             shift = np.nan_to_num(moved[name] - base[name])
             # One large step that no row shows is an event, not a floor for the whole log.

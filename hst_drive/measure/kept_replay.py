@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from typing import Iterator, Mapping
 
+from hst_drive.channels import COMMANDS
 from hst_drive.measure.pieces import simulate_in_pieces
 from hst_drive.measure.readings import filled
-from hst_drive.measure.replay import INPUTS, Prediction, Replay, SIGNALS
+from hst_drive.measure.replay import Replay, SIGNALS
 from hst_drive.measure.start import first_state
 from hst_drive.model import Drive
 import numpy as np
@@ -39,7 +40,7 @@ class KeptReplay(Replay):
         self._kept, self._load = [], ((), None, None)
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None,
-                commands: Mapping[str, np.ndarray] = {}) -> Prediction:
+                commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
         self._keeping = extra is None and not commands
         return super().predict(drive, extra, commands)
 
@@ -71,14 +72,13 @@ class KeptReplay(Replay):
             self._load = self._key(drive), self._speed, load
         return load
 
-    def shaken(self, drive: Drive, seed: int,
-               count: np.ndarray | None) -> Iterator[dict[str, float]]:
+    def shaken(self, drive: Drive, count: np.ndarray | None) -> Iterator[dict[str, float]]:
         time = self.run.time
         if time[-1] - time[0] <= LONG or drive.has_flexible_shaft:
-            yield from super().shaken(drive, seed, count)
+            yield from super().shaken(drive, count)
             return
         disturbance = self._between.finer(self.disturbance(drive))
-        added = disturbance + self._finely().draw_error(np.random.default_rng(seed))
+        added = disturbance + self._finely().draw_error(np.random.default_rng(0))
         counted = np.ones(len(time), dtype=bool) if count is None else count
         squares: dict[str, list[np.ndarray]] = {name: [] for name in self.signals}
         starts = np.linspace(time[0], time[-1] - _STRETCH, _STRETCHES)
@@ -109,7 +109,7 @@ class KeptReplay(Replay):
                  disturbance: np.ndarray) -> dict[str, np.ndarray]:
         """Return the signals of some rows alone, from the state that their first one shows."""
         steps = self._between.steps
-        inputs = {name: self._between.finer(values[part], name in INPUTS)
+        inputs = {name: self._between.finer(values[part], name in COMMANDS)
                   for name, values in self.inputs.items()}
         inputs['load_disturbance'] = disturbance[part.start * steps:(part.stop - 1) * steps + 1]
         signals = drive.simulate(self._between.finer(self.run.time[part]), inputs,

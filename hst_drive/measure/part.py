@@ -14,15 +14,16 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
 
+from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import (
-    BALANCES, closed, is_table, TORQUES, what_would_close)
+    BALANCES, closed, is_table, what_would_close)
 from hst_drive.measure.circuit_balances import predicted
-from hst_drive.measure.equations import PRESSURES, source_of, told, Weak
-from hst_drive.measure.noise import steady_noise, surface_noise
+from hst_drive.measure.equations import source_of, told, Weak
+from hst_drive.measure.noise import NO_SIGN, steady_noise, surface_noise
 from hst_drive.measure.readings import filled
-from hst_drive.measure.replay import Prediction
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.replay import DRAWS
+from hst_drive.measure.run import Run
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
@@ -30,15 +31,13 @@ from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-_DRAWS = 3
 _NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
-_USUAL = 95.0           # percentile of a reading's size
+USUAL = 95.0            # percentile of a reading's size
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
 _CREEPING = 0.05
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
 _UNKNOWN = 0.05         # of what a smoothed row is made of
-_SCATTER = 5.0          # deviations of the speed's noise: below it no sign is known
 
 
 class PartReplay:
@@ -110,7 +109,7 @@ class PartReplay:
             self.inputs['motor_angle'] = turned(run.time, self._channels['motor_speed'])
         self._creeping = max(
             0.0 if self.static else _CREEPING * self.usual('motor_speed'),
-            _SCATTER * self._noise_of('motor_speed', model, 0.0)) if 'motor_speed' in used else 0.0
+            NO_SIGN * self._noise_of('motor_speed', model, 0.0)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
         self._input_noise = {name: self._noise_of(name, model, 0.0) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
@@ -133,7 +132,7 @@ class PartReplay:
 
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
-        return next((float(np.percentile(np.abs(self._channels[name]), _USUAL))
+        return next((float(np.percentile(np.abs(self._channels[name]), USUAL))
                      for name in names if name in self._channels), 0.0)
 
     def counted(self, name: str) -> np.ndarray:
@@ -163,7 +162,7 @@ class PartReplay:
         return max(steady_noise(self.run[name]), step)
 
     def _signal_noise(self, name: str, model: PartModel) -> float:
-        rest = self._channels[name] - self.predict(model).signals[name]
+        rest = self._channels[name] - self.predict(model)[name]
         tiny = 1e-6 * float(np.max(np.abs(self._channels[name]))) + 1e-15
         if self.static:
             stated = self._noise_of(name, model)
@@ -233,7 +232,8 @@ class PartReplay:
             return False
         return np.abs(self._channels['motor_speed']) <= self._creeping
 
-    def predict(self, model: PartModel, extra: dict[str, np.ndarray] | None = None) -> Prediction:
+    def predict(self, model: PartModel,
+                extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
         """
         Predict each signal from the others.
 
@@ -248,10 +248,9 @@ class PartReplay:
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
         known = self._told(model, channels)
-        signals = {name: np.broadcast_to(predicted(
+        return {name: np.broadcast_to(predicted(
             self.place(balance), model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
-        return Prediction(signals, np.zeros(len(self.run)))
 
     def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         """Return what the equations may read."""
@@ -262,19 +261,19 @@ class PartReplay:
         return Weak(None if self.static else self.run.time, partial(self._smooth, name=name),
                     partial(self._rate, name=name))
 
-    def floor(self, model: PartModel, seed: int = 0) -> dict[str, float]:
+    def floor(self, model: PartModel) -> dict[str, float]:
         """Return the rmse, by signal, that a perfect model would show: sensors' noise alone."""
-        random = np.random.default_rng(seed)
-        base = self.predict(model).signals
+        random = np.random.default_rng(0)
+        base = self.predict(model)
         power = dict.fromkeys(self.signals, 0.0)
-        for _ in range(_DRAWS):
+        for _ in range(DRAWS):
             noise = {name: std * random.standard_normal(len(self.run))
                      for name, std in self._input_noise.items()}
-            moved = self.predict(model, noise).signals
+            moved = self.predict(model, noise)
             for name in self.signals:
                 # A signal that is predicted reads other noise than the one it predicts from.
                 own = self._smooth(self.noise[name] * random.standard_normal(len(self.run)), name)
                 shift = moved[name] - base[name] - own
                 judged = shift[self.counted(name)]
-                power[name] += float(np.mean(judged**2)) / _DRAWS if len(judged) else 0.0
+                power[name] += float(np.mean(judged**2)) / DRAWS if len(judged) else 0.0
         return {name: float(np.sqrt(value)) for name, value in power.items()}

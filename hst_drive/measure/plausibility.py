@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence
 
+from hst_drive.channels import COMMANDS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
-from hst_drive.measure.balances import is_part, PRESSURES
+from hst_drive.measure.balances import is_part
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.signs import swapped
 from hst_drive.rig import Rig
@@ -35,7 +36,6 @@ _SURE = 8.0             # standard deviations
 _APART = 0.15           # of the time that load and oil must leave unexplained
 _WARMS = 1.0            # K: less is noise
 _ALONE = 0.3            # of its drift: what the others may part from each other
-_COMMANDS = ('pump_command', 'pprv_command')
 _LOSSY = ('motor_speed', *PRESSURES)    # losses lie between them and their other sensors
 
 # What one unit reads when it is taken for the usual one of its quantity.
@@ -145,7 +145,7 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
             unit.torque_of_command(command, speed) if np.isfinite(command + speed) else np.nan
             for command, speed in zip(blocks(run['pprv_command']).tolist(),
                                       (turning / size).tolist())])
-    for name in ('load_torque', 'motor_torque'):
+    for name in TORQUES[::-1]:
         if name in run:
             load[name] = blocks(run[name])
     # Losses as they are at the load that the others tell: the pressure itself may be off.
@@ -158,7 +158,7 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
                 usual, np.abs(turning) / size)
     if len(edges) <= _FEW:
         return []
-    conditions = [blocks(run[name]) for name in _COMMANDS if name in run]
+    conditions = [blocks(run[name]) for name in COMMANDS if name in run]
     if 'oil_temperature' in run:
         oil = blocks(run['oil_temperature'])
         if np.nanmax(oil) - np.nanmin(oil) > _WARMS:
@@ -224,8 +224,8 @@ def _factor(group: Group, sure: bool = False) -> list[str]:
 
 def _made_by_losses(name: str, beyond: float) -> tuple[float, float]:
     """Return the ratios to the other sensors between which a drive, not a sensor, may be off."""
-    low = _LOST if name in (*_COMMANDS, 'motor_speed') else beyond
-    high = _LOST if name in (*_COMMANDS, *PRESSURES) else beyond
+    low = _LOST if name in (*COMMANDS, 'motor_speed') else beyond
+    high = _LOST if name in (*COMMANDS, *PRESSURES) else beyond
     return 1 / low, high
 
 
@@ -260,7 +260,7 @@ def _drift(group: Group) -> list[Drift]:
         if sure > max(best, _SURE) and abs(change) > _DRIFT * size \
                 and size > group.least and apart < _ALONE * abs(change):
             best = sure
-            told = [] if name in _COMMANDS else [Drift(
+            told = [] if name in COMMANDS else [Drift(
                 name, f'{name} drifts: from start to end of the log it moves by '
                 f'{100 * change / size:+.0f} % of its size against {" and ".join(others)}')]
     return told

@@ -11,8 +11,9 @@ does not reach the sensor noise; ``replay_floor`` is what it would reach.
 from __future__ import annotations
 
 import copy
-from typing import Iterator, Mapping, NamedTuple
+from typing import Iterator, Mapping
 
+from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
@@ -25,6 +26,7 @@ from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.drive import turned
+from hst_drive.rig.rig import STANDSTILL
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -32,18 +34,9 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
-INPUTS: tuple[str, ...] = ('pump_command', 'pprv_command')
-DRAWS = 3
-_STAMPS = 1e-3  # s
-_STANDSTILL = 0.0046    # of the full speed: below, the sign of the rotation is the noise's
+DRAWS = 3       # of noise, for what it does to a replay
+_STAMPS = 1e-3  # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
-
-
-class Prediction(NamedTuple):
-    """Signals that the model gives, SI, by channel name, and the load that was added."""
-
-    signals: dict[str, np.ndarray]
-    load_disturbance: np.ndarray
 
 
 class Replay:
@@ -82,7 +75,7 @@ class Replay:
     doubts: dict[str, np.ndarray] = {}      # see PartReplay
 
     def __init__(self, run: Run, drive: Drive):
-        missing = [name for name in INPUTS if name not in run]
+        missing = [name for name in COMMANDS if name not in run]
         if missing:
             raise InputError(f"{run.source}: channel '{missing[0]}' is missing; a replay of the "
                              'whole drive needs pump_command and pprv_command; name the foreign '
@@ -95,7 +88,7 @@ class Replay:
                              f'{", ".join(SIGNALS)}')
         time = run.time
         self.steps = controller_steps(time, {name: filled(run[name], hold=True)
-                                             for name in INPUTS})
+                                             for name in COMMANDS})
         self.stamps = float(np.hypot(_STAMPS, max(steps.jitter for steps in self.steps.values())))
         self.unsure = np.max([steps.unsure(run.sample_time) for steps in self.steps.values()],
                              axis=0)
@@ -110,7 +103,7 @@ class Replay:
         width = max(1.0 / run.sample_time, 1.0)
         self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
-        self.torque = next((name for name in ('load_torque', 'motor_torque') if name in run), None)
+        self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         self._beginning = Beginning.of(
@@ -142,7 +135,7 @@ class Replay:
         self._between = self._between._replace(held=held)
         noise = dict(self.noise)
         self._prepare(drive)
-        model = self.predict(drive).signals
+        model = self.predict(drive)
         # Slow errors are the model's; the way to fill in shows in the fast ones.
         misfit = 0.0
         for name in self.signals:
@@ -192,7 +185,7 @@ class Replay:
                   commands: Mapping[str, np.ndarray] = {},
                   extra: np.ndarray | None = None) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
-        finer = {name: self._between.finer(values, name in INPUTS)
+        finer = {name: self._between.finer(values, name in COMMANDS)
                  for name, values in inputs.items()}
         if extra is not None:
             finer['load_disturbance'] = finer['load_disturbance'] + extra
@@ -205,7 +198,7 @@ class Replay:
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
-        self._turning = np.abs(self._speed) > _STANDSTILL * drive.rig.full_speed
+        self._turning = np.abs(self._speed) > STANDSTILL * drive.rig.full_speed
         rest = self._unexplained(self._load_model(drive))
         if 'motor_speed' in self.run:
             # A late reading of the speed would pass for a rough load.
@@ -231,7 +224,7 @@ class Replay:
 
         The drive's ringing to the load is not in the model: there the stated noise is the most.
         """
-        model = self.predict(drive).signals
+        model = self.predict(drive)
         for name in self.signals:
             if name != self.torque:
                 rest = self.run[name] - model[name]
@@ -327,9 +320,9 @@ class Replay:
         return first_state(drive, self._beginning.first, inputs, self.torque, self._beginning)
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None,
-                commands: Mapping[str, np.ndarray] = {}) -> Prediction:
+                commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:
         """
-        Replay the recording.
+        Replay the recording; return the signals that the model gives, SI, by channel.
 
         Parameters
         ----------
@@ -342,10 +335,10 @@ class Replay:
 
         """
         load = self._load_model(drive) if self.can_correct else None
-        signals, disturbance = {}, np.zeros(len(self.run))
+        signals = {}
         if self.simulated:
-            if load is not None:
-                disturbance = self._disturbance(drive, load)
+            disturbance = np.zeros(len(self.run)) if load is None else self._disturbance(
+                drive, load)
             signals = self._simulate(drive, disturbance, commands, extra)
         if load is not None:
             # The corrected load holds the sensor itself: judge the load model, uncorrected.
@@ -353,7 +346,7 @@ class Replay:
         read = {name: self.readings.as_read(name, signals[name]) for name in self.signals}
         if load is not None:
             read[self.torque] = np.where(self.at_rest, self._measured, read[self.torque])
-        return Prediction(read, disturbance)
+        return read
 
     def _finely(self) -> Smoother:
         """Return a smoother of the load at all steps: rock moves between rows as well."""
@@ -373,13 +366,12 @@ class Replay:
             yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
                 self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
 
-    def shaken(self, drive: Drive, seed: int,
-               count: np.ndarray | None) -> Iterator[dict[str, float]]:
+    def shaken(self, drive: Drive, count: np.ndarray | None) -> Iterator[dict[str, float]]:
         """Yield squared errors, by signal, from draws of the load that smoothing misses."""
-        base = self.predict(drive).signals
-        random = np.random.default_rng(seed)
+        base = self.predict(drive)
+        random = np.random.default_rng(0)
         for missed in self._missed(drive, random):
-            moved = self.predict(drive, missed).signals
+            moved = self.predict(drive, missed)
             part = slice(None) if count is None else count
             yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / DRAWS
                    for name in self.signals if name != self.torque}

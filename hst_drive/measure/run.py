@@ -11,7 +11,7 @@ from hst_drive.errors import InputError
 from hst_drive.units import from_si
 import numpy as np
 
-_FEWEST = 8             # changes of the commands below which nothing can be told
+FEWEST = 8              # changes of the commands below which nothing can be told
 _STEPPING = 0.9         # share of them that lies where the controller steps
 
 # By unit: what is beyond it is a slip of the unit or a fault code, not a hydraulic drive.
@@ -99,7 +99,7 @@ class Run:
         rows = np.concatenate([*changes, np.zeros(0, dtype=int)])
         counts = {step: np.bincount(rows % step, minlength=step) for step in steps}
         best = max(counts, key=lambda step: counts[step].max())
-        if len(rows) < _FEWEST or counts[best].max() < _STEPPING * len(rows):
+        if len(rows) < FEWEST or counts[best].max() < _STEPPING * len(rows):
             return None
         return best, int(counts[best].argmax())
 

@@ -14,8 +14,8 @@ from typing import Iterable, NamedTuple
 
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare_log, Comparison, LogComparison, Sections
+from hst_drive.measure.errors import Moments
 from hst_drive.measure.judged import Judged, Span
-from hst_drive.measure.moments import Moments
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import missing_rows, refuse_starved
 from hst_drive.measure.where import operating_variables, where

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Iterator
 
-from hst_drive.measure.balances import PRESSURES, TORQUES
+from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
@@ -79,7 +79,7 @@ def _left(run: Run, model: PartModel, faulty: bool = False) -> float:
     ``faulty``: with the zero and the scale of a torque free.
     """
     replay = part_replay(run, model)
-    predicted, worst = replay.predict(model).signals, 0.0
+    predicted, worst = replay.predict(model), 0.0
     for name, balance in replay.balances.items():
         rows = replay.counted(name)
         size = float(np.sqrt(np.mean(replay.run[name][rows]**2))) if rows.any() else 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
+from hst_drive.channels import COMMANDS
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
@@ -105,7 +106,7 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
         What more rows than the first tell of the pump's plate.
 
     """
-    commands = {name: inputs[name] for name in ('pump_command', 'pprv_command')}
+    commands = {name: inputs[name] for name in COMMANDS}
     state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
     motor, pump = drive.rig.motor, drive.rig.pump
     for _ in range(3):

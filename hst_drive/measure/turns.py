@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from hst_drive.model import Drive
     from hst_drive.model.part import PartModel
 
-_SLOW = 0.1     # s, standard deviation of what is taken away as no swing
+SLOW = 0.1      # s, standard deviation of what is taken away as no swing
 _ROUNDS = 3
 _NEAR = 1e-3    # of a swing: nearer than that is in step
 _APART = 1e-3   # of the two predictions' product: below they are the same, or opposite
@@ -93,7 +93,7 @@ def _towards(replay: Replay | PartReplay, model: Drive | PartModel, still: Drive
     later = copy.copy(replay)
     later.turn(0.5 * np.pi / count)
     # Other effects may swing with the angle, too.
-    (now, none), (then, none_then) = ((entry.predict(model).signals, entry.predict(still).signals)
+    (now, none), (then, none_then) = ((entry.predict(model), entry.predict(still))
                                       for entry in (replay, later))
     normal, side = np.zeros((2, 2)), np.zeros(2)
     for signal in replay.signals:
@@ -113,4 +113,4 @@ def _towards(replay: Replay | PartReplay, model: Drive | PartModel, still: Drive
 
 def _fast(replay: Replay | PartReplay, values: np.ndarray) -> np.ndarray:
     values = np.nan_to_num(values)
-    return values - gaussian_filter1d(values, _SLOW / replay.run.sample_time)
+    return values - gaussian_filter1d(values, SLOW / replay.run.sample_time)

@@ -7,15 +7,14 @@ from typing import Mapping, NoReturn, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part, is_table
-from hst_drive.measure.noise import steady_noise
+from hst_drive.measure.noise import NO_SIGN, steady_noise
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import STANDSTILL
 from hst_drive.units import from_si
 import numpy as np
 
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
-_TURNS = 0.0046     # of the full speed; of a part nobody knows that: it may turn as slowly
-_SCATTER = 5.0      # as it likes, but not within so many deviations of its sensor's noise
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 _STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
 
@@ -108,8 +107,9 @@ def _least_turn(rig: Rig, run: Run, speed: np.ndarray) -> float:
     """Return the speed (rad/s) up to which a drive is taken for one at rest."""
     if is_part(run, rig) and is_table(run):
         return 0.0      # operating points lie apart, which is no noise
+    # Of a part nobody knows its full speed: it may turn as slowly as it likes.
     full = 0.0 if is_part(run, rig) else rig.full_speed
-    return max(_TURNS * full, _SCATTER * steady_noise(speed))
+    return max(STANDSTILL * full, NO_SIGN * steady_noise(speed))
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence
 
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.channels import CHANNELS, TORQUES
+from hst_drive.measure.readings import filled
+from hst_drive.measure.run import Run
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -43,12 +45,7 @@ def operating_variables(run: Run) -> dict[str, np.ndarray]:
     found = {}
     for name in _VARIABLES:
         if name in run and np.isfinite(run[name]).any():
-            values = run[name]
-            bad = ~np.isfinite(values)
-            if bad.any():
-                index = np.arange(len(values))
-                values = np.interp(index, index[~bad], values[~bad])
-            hold = CHANNELS[name].hold == 'zero'
+            values, hold = filled(run[name]), CHANNELS[name].hold == 'zero'
             found[name] = values if hold else gaussian_filter1d(values, width)
     pressure = found.get('pump_outlet_pressure', found.get('motor_inlet_pressure'))
     if pressure is not None:
@@ -89,7 +86,7 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
         if power < (1.15 * floors[signal])**2:
             continue
         for variable, columns in variables.items():
-            if variable == signal and variable in ('load_torque', 'motor_torque'):
+            if variable == signal and variable in TORQUES:
                 continue
             region = _region(signal, variable, error[valid], np.concatenate(columns)[valid])
             if region:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 from hst_drive.bag.topics import TOPICS, WITH_READING
+from hst_drive.channels import LINES
 from hst_drive.errors import InputError
 
 NODES = ('plant', 'load_profile', 'controller', 'estimator', 'recorder')
@@ -29,13 +30,12 @@ READS: dict[str, tuple[str, ...]] = {
 """Topics by reader; the recorder reads those that it is asked to record as well."""
 
 
-_LINES = ('line_a_pressure', 'line_b_pressure')
 _OTHERS = ('motor_inlet_pressure', 'motor_outlet_pressure', 'pprv_command', 'load_torque_residual')
 _FLOW = ('motor_inlet_flow', 'motor_flow_residual')
-_LACKS = {'open': (*_LINES, 'charge_pressure'), 'closed': ('pump_outlet_pressure', *_OTHERS),
+_LACKS = {'open': (*LINES, 'charge_pressure'), 'closed': ('pump_outlet_pressure', *_OTHERS),
           'valve': ('charge_pressure', 'pump_command', *_OTHERS)}
-_ADDS = {'open': (), 'closed': (*_LINES, 'charge_pressure', 'motor_torque'),
-         'valve': (*_LINES, 'motor_torque', 'valve_command')}
+_ADDS = {'open': (), 'closed': (*LINES, 'charge_pressure', 'motor_torque'),
+         'valve': (*LINES, 'motor_torque', 'valve_command')}
 _OFF = {'open': (), 'closed': _FLOW, 'valve': (*_FLOW, 'pump_outlet_pressure')}
 CIRCUITS = ('open', 'closed')
 """Circuits that the nodes can run."""

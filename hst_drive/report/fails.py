@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from typing import Sequence
 
+from hst_drive.channels import PRESSURES
 from hst_drive.measure.compare import LogComparison
 from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.where import operating_variables
@@ -16,7 +17,6 @@ _CELLS = 12
 _STRIPS = 14
 _FEWEST = 20    # samples of a cell that count
 _OVER = ('oil_temperature', 'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
-_PRESSURES = ('pump_outlet_pressure', 'motor_inlet_pressure')
 
 
 def error_maps(logs: Sequence[LogComparison], names: Sequence[str]) -> dict[str, dict]:
@@ -48,7 +48,7 @@ def _signal(pairs: list[tuple[LogComparison, dict]], name: str) -> dict:
         values = np.concatenate([entry[variable] for _, entry in pairs])
         return from_si(values, CHANNELS[variable].display)
 
-    pressure = next((key for key in _PRESSURES if column(key) is not None), None)
+    pressure = next((key for key in PRESSURES[::-1] if column(key) is not None), None)
     speed = column('motor_speed')
     grid = None
     if pressure is not None and speed is not None:

@@ -19,6 +19,7 @@ import numpy as np
 OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
+STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from hst_drive.channels import LINES
 from hst_drive.measure.circuit_balances import tell
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.part import PartModel
-from hst_drive.watch.figures import LINES, losses
+from hst_drive.watch.figures import losses
 from hst_drive.watch.samples import Accuracy, SPEED
 import numpy as np
 

@@ -18,6 +18,7 @@ from itertools import chain
 import math
 from typing import Any, Mapping, NamedTuple
 
+from hst_drive.channels import LINES
 from hst_drive.losses.efficiency import braking, Limits, Performance, performance, reason_not_valid
 from hst_drive.measure.circuit_balances import told_of
 from hst_drive.model.circuit_model import CircuitModel
@@ -33,7 +34,6 @@ import numpy as np
 PRESSURE, FLOW, TORQUE = 'pump_outlet_pressure', 'motor_inlet_flow', 'load_torque'
 INLET, TEMPERATURE = 'motor_inlet_pressure', 'oil_temperature'
 SIGNALS = (SPEED, TORQUE, PRESSURE, FLOW)
-LINES = ('line_a_pressure', 'line_b_pressure')
 
 
 class Moment(NamedTuple):

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from hst_drive.measure.circuit_balances import read_instead, watched
+from hst_drive.measure.noise import NO_SIGN
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
@@ -26,7 +27,6 @@ NEITHER = 'neither line is clearly under pressure'
 LEAD = 1.0          # s before a block, in which lags settle
 _STAMPS = 3e-3      # s: how well the time stamps of two signals agree
 _FLOOR = 0.25       # of the scatter between units: how good a calibrated model is expected to be
-_SCATTER = 5.0      # deviations of the sensor's noise, that a speed is no standstill
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
 _SENSOR = 'sensor.'
@@ -86,7 +86,7 @@ class Balances:
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
-        self._creeping = max(rig.creeping, _SCATTER * self._noise.get(SPEED, 0.0))
+        self._creeping = max(rig.creeping, NO_SIGN * self._noise.get(SPEED, 0.0))
 
     @cached_property
     def needed(self) -> tuple[str, ...]:

@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 from typing import Any, Mapping, NamedTuple
 
-from hst_drive.measure.circuit_balances import predicted, read_instead, told_of
+from hst_drive.measure.circuit_balances import (
+    CHANGES, predicted, read_instead, told_of)
 from hst_drive.measure.equations import Weak
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
@@ -18,7 +19,6 @@ import numpy as np
 SPEED = 'motor_speed'
 _TORQUE = 1.6e-3    # of what the relief valve lets the motor make: 1 N m on the paper's rig
 _STEP = 1e-3        # of a quantity, by which differences are taken
-_CHANGES = 0.1      # s before the samples that a balance that hangs on something is judged in
 LEAST = 5           # samples in a window
 
 
@@ -142,7 +142,7 @@ class Samples:
         needed = [part.when for part in balance.parts]
         if not needed or not all(needed):
             return True
-        around = self._time > self._time[np.flatnonzero(self.level)[0]] - _CHANGES
+        around = self._time > self._time[np.flatnonzero(self.level)[0]] - CHANGES
         return bool(np.all(np.any([self.known[when][around] >= 1.0 for when in needed], axis=0)))
 
     def mean(self, values: Any) -> float:

@@ -3,13 +3,11 @@
 """The errors of a model as the page shows them: those of compare, and those of diagnose."""
 from __future__ import annotations
 
-import math
 from typing import Sequence
 
-from hst_drive.measure.compare import LogComparison
+from hst_drive.measure.compare import LogComparison, pooled as over_all
 from hst_drive.measure.run import CHANNELS
 from hst_drive.units import difference_from_si
-import numpy as np
 
 
 def pooled(logs: Sequence[LogComparison]) -> dict[str, dict]:
@@ -18,18 +16,6 @@ def pooled(logs: Sequence[LogComparison]) -> dict[str, dict]:
 
     The numbers of ``measure.compare.compare`` with the same logs.
     """
-    found = {}
-    for name in dict.fromkeys(name for log in logs for name in log.signals):
-        having = [log for log in logs if name in log.signals]
-        error = np.concatenate([log.model[name] - log.measured(name) for log in having])
-        error = error[np.isfinite(error)]
-        weights = [max(log.signals[name].samples, 1) for log in having]
-        floor = math.sqrt(sum(weight * log.signals[name].floor**2
-                              for weight, log in zip(weights, having)) / sum(weights))
-        rmse = math.sqrt(float(np.mean(error**2))) if len(error) else math.nan
-        unit = CHANNELS[name].display
-        found[name] = {
-            'ratio': rmse / floor if floor > 0 else math.inf,
-            'rmse': difference_from_si(rmse, unit), 'floor': difference_from_si(floor, unit),
-            'bias': difference_from_si(float(error.mean()), unit) if len(error) else math.nan}
-    return found
+    return {name: {'ratio': entry.noise_ratio, **{
+        key: difference_from_si(getattr(entry, key), CHANNELS[name].display)
+        for key in ('rmse', 'floor', 'bias')}} for name, entry in over_all(logs).items()}

@@ -57,13 +57,13 @@ def test_a_bench_of_the_hydromotor_alone_closes_the_return_line():
     assert replay.balances[GAUGE] == 'return line'
     without, outlet, lossy = (
         replay.predict(PartModel(rig, {'back_pressure': {
-            'outlet_pressure': size, 'flow_share': 0.25, 'loss_share': loss}})).signals
+            'outlet_pressure': size, 'flow_share': 0.25, 'loss_share': loss}}))
         for size, loss in ((0.0, 0.0), (RETURN, 0.0), (RETURN, 1.0)))
     np.testing.assert_allclose(outlet[GAUGE], RETURN * (1 + 0.25 * (speed / 10 - 1)))
     # What was read acts on the torque, whatever is predicted of the return line.
     np.testing.assert_array_equal(without['motor_torque'], outlet['motor_torque'])
     open_end = PartReplay(Run('bench', time, {
-        **run.channels, GAUGE: np.zeros(500)}), PartModel(rig)).predict(PartModel(rig)).signals
+        **run.channels, GAUGE: np.zeros(500)}), PartModel(rig)).predict(PartModel(rig))
     # All of it acts on the displacement where the losses stay what they were. (The replay smooths
     # the torque, which shows at the ends.)
     taken = open_end['motor_torque'] - lossy['motor_torque']

@@ -38,7 +38,7 @@ def test_a_loading_unit_is_judged_by_its_command_and_speed():
     run, rig = log(10.0, 'pprv_command', 'motor_speed', 'load_torque'), default_rig()
     assert closed(run, rig) == {'load_torque': 'load torque'}
     model = PartModel(rig)
-    predicted = PartReplay(run, model).predict(model).signals['load_torque']
+    predicted = PartReplay(run, model).predict(model)['load_torque']
     assert predicted.mean() == pytest.approx(
         LoadingUnit.of(rig.loading).torque_of_command(2.5, 10.0), rel=1e-3)
 

@@ -65,7 +65,7 @@ def test_without_a_torque_sensor_the_flows_are_judged(healthy):
     kept = {name: values for name, values in run.channels.items() if name != 'motor_torque'}
     replay = part_replay(type(run)('bare', run.time, kept, 'bare.csv'), model_of(rig, [run]))
     assert 'motor_torque' not in replay.signals and 'motor_speed' in replay.signals
-    both = replay.predict(model_of(rig, [run])).signals['motor_speed']
+    both = replay.predict(model_of(rig, [run]))['motor_speed']
     forth, back = run['motor_speed'] > 5.0, run['motor_speed'] < -5.0
     for way in (forth, back):
         assert np.nanmedian(np.abs(both[way] / run['motor_speed'][way] - 1.0)) < 0.02
@@ -103,7 +103,7 @@ def test_a_play_shows_where_the_torque_changes_its_sign(tmp_path):
     play = without.changed({'gear_backlash': {
         'angle': truth['si_parameters']['play'], 'band': 100.0}}, {})
     late = run.time > 1.0
-    rms = [np.sqrt(np.nanmean((replay.predict(model).signals['motor_speed']
+    rms = [np.sqrt(np.nanmean((replay.predict(model)['motor_speed']
                                - replay.run['motor_speed'])[late]**2)) for model in (
         without, play)]
     assert rms[1] < 0.6 * rms[0]
@@ -121,7 +121,7 @@ def test_where_the_equations_jump_nothing_is_judged(aerated):
     rig, logs, _ = aerated
     run = logs['sweep']
     replay = part_replay(run, model_of(rig, [run]))
-    predicted = replay.predict(model_of(rig, [run])).signals
+    predicted = replay.predict(model_of(rig, [run]))
     for name in ('charge_pressure', 'line_a_pressure', 'line_b_pressure'):
         worst = np.nanmax(np.abs(predicted[name] - replay.run[name]))
         assert worst < 4e5, name

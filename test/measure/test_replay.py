@@ -88,7 +88,7 @@ def test_a_late_speed_that_the_model_does_not_know_is_no_rough_load():
 def test_a_drive_that_leaves_all_bounds_does_not_make_the_load_smooth():
     run, drive = record(20), Drive(RIG, {'formula_load': {'coefficient_1': -1e3, 'speed_1': 2.0}})
     replay = Replay(run, drive)
-    assert not np.isfinite(replay.predict(drive).signals['pump_outlet_pressure']).all()
+    assert not np.isfinite(replay.predict(drive)['pump_outlet_pressure']).all()
     assert replay.roughness.std > 0.5
 
 
@@ -105,7 +105,7 @@ def test_what_friction_and_load_share_at_rest_is_not_judged():
     noisy = SensorBank(RIG, 5).read({
         name: signals[name] for name in RIG.sensors if name in signals})
     replay = Replay(Run('rest', run.time, {**inputs, **noisy}), drive)
-    error = replay.predict(drive).signals['load_torque'] - replay.run['load_torque']
+    error = replay.predict(drive)['load_torque'] - replay.run['load_torque']
     slow = np.abs(noisy['motor_speed']) < 0.5
     assert np.abs(error[slow]).max() < 1e-9 < np.std(error[~slow])
 

@@ -38,7 +38,7 @@ def test_the_plate_rests_where_the_flow_says(offset, scale, flow_error):
         'flow_sensor_scale': {'gain_error': flow_error}},
         {'pump.displacement_vs_command': scale})
     run = bench(offset, scale, flow_error)
-    found = PartReplay(run, model).predict(model).signals['motor_inlet_flow']
+    found = PartReplay(run, model).predict(model)['motor_inlet_flow']
     # What is left is the lag of the displacement in slow ramps.
     fastest = np.abs(np.gradient(run['motor_inlet_flow'], run.time)).max()
     late = fastest * PUMP.pump.displacement_lag

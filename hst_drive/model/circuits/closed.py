@@ -9,6 +9,7 @@ equations refer to the measured shaft, behind the gear if there is one.
 """
 import math
 
+from hst_drive.channels import LINES
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
     capacity, gear, LEAKS, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
@@ -21,7 +22,7 @@ _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
 _EMPTY = CONSTANTS['CAVITATION_PRESSURE']
 _SWEPT = 0.0015     # of the speed: displacements are the unit's own, their curves hardly differ
-_STROKE, _LINES = 'pump_command|pump_displacement', ('line_a_pressure', 'line_b_pressure')
+_STROKE = 'pump_command|pump_displacement'
 
 
 def hold(pump_command, interval, memory, p, on, cells, layout):
@@ -297,28 +298,28 @@ CIRCUIT = Circuit(
         Balance('high line', 'motor_speed', 'flow', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage', 'gear_angle')),
-                needs=(*_LINES, _STROKE), swept=True, formula='formula_pump_flow',
+                needs=(*LINES, _STROKE), swept=True, formula='formula_pump_flow',
                 sheet=_SWEPT, id='pump_flow'),
         Balance('low line A', 'line_a_pressure', 'flow', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'pressure of the low side',
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'charge pressure',
-                (Part('charge_pressure', 'fed'),), needs=('motor_speed', *_LINES, _STROKE)),
+                (Part('charge_pressure', 'fed'),), needs=('motor_speed', *LINES, _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
-                needs=('motor_speed', *_LINES), formula='formula_torque'),
+                needs=('motor_speed', *LINES), formula='formula_torque'),
         Balance('stroke', 'pump_displacement', 'pump_actuator',
                 'displacement of the pump', (Part('pump_displacement'),), needs=('pump_command',)),
         Balance('pump torque', 'pump_torque', 'torque', 'torque of the pump',
-                (Part('pump_torque'),), needs=(*_LINES, _STROKE)),
+                (Part('pump_torque'),), needs=(*LINES, _STROKE)),
         Balance('pump power', 'pump_power', 'torque', 'power of the pump',
-                (Part('pump_power'),), needs=(*_LINES, _STROKE)),
+                (Part('pump_power'),), needs=(*LINES, _STROKE)),
         Balance('hydromotor flow', 'motor_inlet_flow', 'flow',
                 'oil that turns the hydromotor', (Part('motor_inlet_flow'),),
-                needs=('motor_speed', *_LINES), formula='formula_motor_flow', id='motor_flow'),
+                needs=('motor_speed', *LINES), formula='formula_motor_flow', id='motor_flow'),
         Balance('case drain', 'case_drain_flow', 'flow', 'leakage of the hydromotor',
-                (Part('case_drain_flow'),), needs=('motor_speed', *_LINES),
+                (Part('case_drain_flow'),), needs=('motor_speed', *LINES),
                 formula='formula_motor_flow', sheet=LEAKS),
     ),
 )

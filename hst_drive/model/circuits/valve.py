@@ -8,6 +8,7 @@ each; below 0 the other way. Signs as in ``closed``.
 """
 import math
 
+from hst_drive.channels import LINES
 from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
 from hst_drive.model.circuits.motor_text import (
     capacity, gear, LEAKS, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
@@ -121,7 +122,6 @@ def steps(found: dict[str, float]) -> tuple[float, float]:
                found['valve_lag']), found['valve_lag']
 
 
-_LINES = ('line_a_pressure', 'line_b_pressure')
 CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
@@ -148,7 +148,7 @@ CIRCUIT = Circuit(
                 'oil between valve and hydromotor',
                 (Part('speed_by_a', 'forth', 'line_a_pressure', 'a_storage', 'gear_angle'),
                  Part('speed_by_b', 'back', 'line_b_pressure', 'b_storage', 'gear_angle')),
-                needs=('valve_command', *_LINES), swept=True,
+                needs=('valve_command', *LINES), swept=True,
                 formula='formula_motor_flow', id='pump_flow'),
         Balance('returning edge A', 'line_a_pressure', 'flow', 'pressure of the return',
                 (Part('a_return', 'back', 'line_a_pressure', 'a_settles'),),
@@ -158,12 +158,12 @@ CIRCUIT = Circuit(
                 needs=('valve_command', 'motor_speed', 'line_a_pressure'), sheet=_EDGES),
         Balance('shaft', 'motor_torque', 'torque', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
-                needs=('motor_speed', *_LINES), formula='formula_torque'),
+                needs=('motor_speed', *LINES), formula='formula_torque'),
         Balance('hydromotor flow', 'motor_inlet_flow', 'flow',
                 'oil that turns the hydromotor', (Part('motor_inlet_flow'),),
-                needs=('motor_speed', *_LINES), formula='formula_motor_flow', id='motor_flow'),
+                needs=('motor_speed', *LINES), formula='formula_motor_flow', id='motor_flow'),
         Balance('case drain', 'case_drain_flow', 'flow', 'leakage of the hydromotor',
-                (Part('case_drain_flow'),), needs=('motor_speed', *_LINES),
+                (Part('case_drain_flow'),), needs=('motor_speed', *LINES),
                 formula='formula_motor_flow', sheet=LEAKS),
     ),
 )
