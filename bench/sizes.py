@@ -9,7 +9,7 @@ from hst_drive.diagnose.result import Diagnosis
 from hst_drive.rig import Rig
 
 # Effect: (form of the truth, our parameter, its value from the truth's numbers and the rig).
-_SAME = {
+SAME = {
     'leakage_temperature': ('walther', 'exponent', lambda p, rig: p['k_visc']),
     'elastic_leakage': ('cubic_gap', 'stretch', lambda p, rig: p['k_elastic']),
     'pump_leakage': ('laminar', 'conductance', lambda p, rig: p['g_pump']),
@@ -41,7 +41,7 @@ def sizes(found: Diagnosis, made: Campaign, rig: Rig) -> dict[str, list[float]]:
     """Return value, low, high and truth (SI) of the effects that were hidden and found."""
     values = {}
     for entry in found.effects:
-        form, name, true = _SAME.get(entry.id, ('', '', None))
+        form, name, true = SAME.get(entry.id, ('', '', None))
         if form and made.truth['forms'].get(entry.id) == form:
             number = true(made.truth['si_parameters'], rig)
             fitted = entry.parameters[name]

@@ -28,7 +28,6 @@ import numpy as np
 MOST_EFFECTS = 3
 _BEAM = 2
 _SHORTLIST = 8
-_EXCHANGED = 3
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
 _ROUNDS = 5
@@ -263,7 +262,7 @@ class Search:
             if len(best.names) == MOST_EFFECTS:
                 break
             level = self._extended(best, beam)
-        return self.exchange(best)
+        return best
 
     def _beam(self, best: Candidate, level: Sequence[Candidate]) -> list[Candidate]:
         """
@@ -284,20 +283,6 @@ class Search:
         odds = self.odds(best, level)
         order = np.argsort(-odds)[:_BEAM]
         return [level[place] for place in order], odds[order]
-
-    def exchange(self, best: Candidate) -> Candidate:
-        """Put others in the place of effects that were chosen when the rest was not there."""
-        for out in best.names if len(best.names) > 1 else ():
-            kept, others = best.fit.without(out), {*best.names} - {out}
-            fewer = self.try_all([((*others,), kept)], 'taking effects out')[0]
-            likely = [name for _, name in sorted(score_test(self, fewer), reverse=True)
-                      if name != out][:_EXCHANGED]
-            found = self.try_all([((*others, name), kept) for name in likely], 'exchanging',
-                                 again=True)
-            top = min(found, key=lambda item: item.score, default=best)
-            if top.score < best.score and (top := self.refine(top)).score < best.score:
-                return self.exchange(top)
-        return best
 
 
 def _without_adopted(campaign: Campaign, base: Fit) -> Fit:
