@@ -15,7 +15,7 @@ from test.truth import make_campaign
 
 from bench.campaigns import as_runs
 from bench.score import wilson
-from bench.sizes import SAME
+from bench.sizes import SAME, true_size
 from hst_drive.cli.output import table
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import settled
@@ -33,7 +33,7 @@ EFFECTS = ('motor_leakage', 'pump_leakage', 'elastic_leakage', 'compressibility_
 
 def sized(effect: str, seed: int) -> dict:
     """Hide an effect, fit it alone; return its size and interval over the truth."""
-    form, key, known = SAME[effect]
+    form, key, _ = SAME[effect]
     share = random.Random(f'{effect} {seed}').uniform(0.5, 1.5)
     made = make_campaign(seed, {effect: {'size': share, 'form': form}}, duration=_SECONDS)
     rig, runs, held_out = as_runs(made)
@@ -41,7 +41,7 @@ def sized(effect: str, seed: int) -> dict:
     best = search.refine(search.single(effect))
     campaign, fitted = settled(search.campaign, best.fit)
     low, high = intervals(campaign, fitted, forms(search, best))[effect, key]
-    true = known(made.truth['si_parameters'], rig)
+    true = true_size(effect, made, rig)
     low, high = sorted((low / true, high / true))
     return {'effect': effect, 'seed': seed, 'true': true, 'low': low, 'high': high,
             'value': fitted.model.effects[effect][key] / true}

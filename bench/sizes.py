@@ -8,7 +8,8 @@ from test.truth import Campaign
 from hst_drive.diagnose.result import Diagnosis
 from hst_drive.rig import Rig
 
-# Effect: (form of the truth, our parameter, its value from the truth's numbers and the rig).
+# Effect: (form of the truth, our parameter, its value from the truth's numbers, factors of the
+# unit among them, and the rig).
 SAME = {
     'leakage_temperature': ('walther', 'exponent', lambda p, rig: p['k_visc']),
     'elastic_leakage': ('cubic_gap', 'stretch', lambda p, rig: p['k_elastic']),
@@ -16,7 +17,8 @@ SAME = {
     'motor_leakage': ('laminar', 'conductance', lambda p, rig: p['g_motor']),
     'entrained_air': ('polytropic', 'fraction', lambda p, rig: p['air_frac']),
     'compressibility_flow': ('pump_displaced', 'volume_ratio',
-                             lambda p, rig: p['c_comp'] * rig.line.bulk_modulus),
+                             lambda p, rig: p['c_comp'] * rig.line.bulk_modulus
+                             * p['line.bulk_modulus']),
     'prv_cracking': ('linear', 'gradient', lambda p, rig: p['g_crack']),
     'pump_speed_droop': ('linear', 'droop', lambda p, rig: p['droop'] * rig.pump.max_displacement
                          * rig.relief_valve.set_pressure),
@@ -37,13 +39,18 @@ SAME = {
 }
 
 
+def true_size(effect: str, made: Campaign, rig: Rig) -> float:
+    """Return the size (SI) in our formula of an effect that is hidden in the same form."""
+    return SAME[effect][2]({**made.truth['scatter'], **made.truth['si_parameters']}, rig)
+
+
 def sizes(found: Diagnosis, made: Campaign, rig: Rig) -> dict[str, list[float]]:
     """Return value, low, high and truth (SI) of the effects that were hidden and found."""
     values = {}
     for entry in found.effects:
-        form, name, true = SAME.get(entry.id, ('', '', None))
+        form, name, _ = SAME.get(entry.id, ('', '', None))
         if form and made.truth['forms'].get(entry.id) == form:
-            number = true(made.truth['si_parameters'], rig)
             fitted = entry.parameters[name]
-            values[entry.id] = [fitted.value, fitted.low, fitted.high, number]
+            values[entry.id] = [fitted.value, fitted.low, fitted.high,
+                                true_size(entry.id, made, rig)]
     return values

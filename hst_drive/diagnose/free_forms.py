@@ -3,6 +3,7 @@
 """Trials of what is not listed: formulas fitted in a model, and whether they are better."""
 from __future__ import annotations
 
+from math import log
 from types import MappingProxyType
 from typing import Callable, Mapping, NamedTuple
 
@@ -10,16 +11,16 @@ from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.identify.campaign import Campaign, Model
-from hst_drive.identify.evidence import CREDIBLE
+from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import Fit, fit
-from hst_drive.identify.judge import excess, parts
+from hst_drive.identify.judge import excess, parts, PRACTICAL
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_unlisted
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
 _REST = 0.1             # of the excess squared error: who leaves more explains something else
-PATIENT = 8             # steps of a fit that gets the same chance as another
+PATIENT = 8             # steps of a fit that begins far from where it ends
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
 
@@ -70,23 +71,27 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
     """
     Say whether something that is not listed, fitted in a campaign, is a better answer than a set.
 
-    It leaves nothing unexplained, or little, and the logs are far likelier with it; where the set
-    leaves something, or is not as simple, they are not far less likely.
+    It leaves nothing unexplained, or little, and the logs are far likelier with it. Where the set
+    leaves something they need not be, if the evidence does not speak against it; where the set is
+    not as simple, they must only not be far less likely.
     """
-    least = -CREDIBLE if simpler or search.unexplained(best) else CREDIBLE
+    least = -CREDIBLE if simpler else -log(DECIDED) if search.unexplained(best) else CREDIBLE
     if log_odds_unlisted(search, best, campaign, trial) <= least:
         return False
-    before, after = (excess(campaign.ratios(entry.errors, True)) for entry in (best.fit, trial))
-    return after <= _REST * before or not search.unexplained(best._replace(fit=trial))
+    if not search.unexplained(best._replace(fit=trial)):
+        return True
+    before, after = (sum(excess(campaign.ratios(entry.errors, part)) for part in parts(campaign))
+                     for entry in (best.fit, trial))
+    return 0.0 < before and after <= _REST * before
 
 
-def how_much_better(search: Search, best: Candidate, trial: Fit) -> tuple[float, str]:
-    """Return by what share the squared error falls, of the signal where most, and for people."""
-    other = best._replace(fit=trial)
-    share, signal = max(
-        (value, name) for part in parts(search.campaign)
-        for name, value in search.gain(best, other, part).share.items())
-    return share, f'leaves {100 * share:.0f} % less squared error of {CHANNELS[signal].title}'
+def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:
+    """Return by what share the squared error falls, of the signal where most, for people."""
+    share, signal = max(((value, name) for part in parts(search.campaign) for name, value in
+                         search.gain(best, best._replace(fit=trial), part).share.items()),
+                        default=(0.0, ''))
+    return 'explains as much alone' if share < PRACTICAL else (
+        f'leaves {100 * share:.0f} % less squared error of {CHANNELS[signal].title}')
 
 
 def told_as(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:

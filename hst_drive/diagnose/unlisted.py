@@ -7,7 +7,7 @@ A listed effect may imitate one that nobody has listed nearly down to the noise:
 slows down under load the oil that leaks with the command, a lag a dead time. So each effect found
 is replaced by a form at the same place that is freer than any single effect, and fitted anew.
 Whatever form the effect has on the machine, its own formula is about as good as the free one; only
-where the free one is clearly better, by more than formulas are off machines, the name is wrong.
+where the evidence is for the free one the name is wrong (``better``).
 """
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import Fit, fit
-from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.phases import once_a_turn
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
@@ -50,8 +49,7 @@ _OF_WARMTH = (
                   'torque of the hydromotor [N.m]')),
     Freer('a reading of load torque that goes with the oil temperature', 'formula_torque_reading',
           ((), ('warmth',), ('torque', 'warmth')),
-          Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]', (),
-                  0.0)))
+          Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]')))
 # The same beside all that was found: rough rock hides what comes back with each turn.
 _BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
                 (('torque', 'cosine'), ('torque', 'sine')))
@@ -82,13 +80,12 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
     for name in best.names:
         tried = [*_formula(search, best, name), *_actuator(search, best, name)]
         search.unlisted += [(search.campaign, trial.fit.light()) for trial in tried]
-        if not tried:
-            continue
-        trial = min(tried, key=lambda item: search.score(item.fit))
-        if better(search, best, trial.fit, search.campaign):
-            said = how_much_better(search, best, trial.fit)[1]
+        trial = next((entry for entry in sorted(tried, key=lambda item: search.score(item.fit))
+                      if better(search, best, entry.fit, search.campaign)), None)
+        if trial:
             found[name] = Unlisted(
-                f'comes near, but {trial.what} in its place {said}',
+                f'comes near, but {trial.what} in its place '
+                f'{how_much_better(search, best, trial.fit)}',
                 told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best)
 
@@ -112,10 +109,9 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     if not better(search, best, trial.fit, search.campaign, simpler=True):
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
-    share, said = how_much_better(search, best, trial.fit)
-    more = said if share > PRACTICAL else 'explains as much alone'
     return dict.fromkeys(names, Unlisted(
-        f'together come near, but {trial.what} in their place {more}', unknown))
+        f'together come near, but {trial.what} in their place '
+        f'{how_much_better(search, best, trial.fit)}', unknown))
 
 
 def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Unlisted | None:
@@ -130,7 +126,7 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
     for trial in _beside(search, best, left):
         search.unlisted.append((search.campaign, trial.fit.light()))
         if better(search, best, trial.fit, search.campaign):
-            return Unlisted(f'{trial.what} {how_much_better(search, best, trial.fit)[1]}',
+            return Unlisted(f'{trial.what} {how_much_better(search, best, trial.fit)}',
                             trial.unknown)
     return None
 

@@ -31,7 +31,7 @@ import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
 BLOCK = 2.0             # s; errors further apart than this count as independent
-_SLOW_EVENTS = 0.35     # the same where rows miss what the controller does about them
+_SLOW_EVENTS = 0.35     # share of the blocks that events may spoil where rows miss the control
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's

@@ -19,7 +19,7 @@ from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
 
-FORM = 0.04    # relative standard deviation: no machine follows one formula exactly
+FORM = 0.02    # of a size, relative standard deviation: no machine follows a formula exactly
 
 
 class Spread(NamedTuple):
@@ -43,8 +43,8 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     Return how far the unknowns of a fit may be off, shapes that it kept among them.
 
     ``forms`` are the shares of effects by which they may be off their formulas, if more than
-    usual, ``between_points`` is what the tables leave open
-    between their points, of the squared tolerance.
+    usual, ``between_points`` is what the tables leave open between their points, of the squared
+    tolerance.
     """
     unknowns = Unknowns(campaign, fitted.model)
     vector = unknowns.pack(fitted.model)
@@ -82,7 +82,7 @@ def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
     return np.column_stack([known[name] for name in unknowns.names])
 
 
-def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
+def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}
               ) -> dict[tuple[str, str], tuple[float, float]]:
     """
     Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.

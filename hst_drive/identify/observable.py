@@ -9,13 +9,15 @@ says what 'none' is worth.
 """
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from functools import lru_cache
+from math import log
+from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import (
-    CREDIBLE, expected_odds, laplace, range_of, Signal, weight)
+    CREDIBLE, DECIDED, expected_odds, laplace, range_of, Signal, weight)
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import Means
@@ -74,12 +76,13 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         size = campaign.parameter(name, effect.parameters[0].name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
-        smallest = abs(size.typical) * shows.from_size(
-            move, size.low < campaign.off(name)[size.name])
-        limit = max(abs(size.low), abs(size.high))
-        reason = '' if smallest <= limit else unread(campaign, name) or \
-            'in these logs it does no more than the tolerances of the unit allow'
-        found.append(Visibility(name, float(smallest), reason))
+        odds, price = shows.odds(move, size.low < campaign.off(name)[size.name])
+        asked = CREDIBLE if name in campaign.adopted else CREDIBLE + log(len(names))
+        largest = np.log(max(abs(size.low), abs(size.high)) / abs(size.typical))
+        reason = '' if odds(largest) > log(DECIDED) else unread(campaign, name) or (
+            'in these logs even the largest one would hardly show')
+        found.append(Visibility(name, abs(size.typical) * _crossing(
+            lambda place: odds(place) - price(place) - asked), reason))
     return found
 
 
@@ -100,7 +103,6 @@ class _Shows:
         self._more = sum(len(column.rows(None)) for column in campaign.columns) / max(
             sum(len(column.fit) for column in campaign.columns), 1)
         self._weight = self._more * weight(len(campaign.signals))
-        self._asked = CREDIBLE + np.log(max(len(campaign.candidates()), 1))
         self._factors = base.jacobian[:, :len(campaign.tolerances)]
         self._moved = [self._signals(column) for column in self._factors.T]
         self._root = np.linalg.cholesky(
@@ -113,27 +115,46 @@ class _Shows:
         means = self._means.of_training(vector)
         return self._means.signals(means, means)
 
-    def from_size(self, move: np.ndarray, both_ways: bool) -> float:
-        """Return the factor on ``move``, that of a typical size, from which it shows; or inf."""
+    def odds(self, move: np.ndarray, both_ways: bool
+             ) -> tuple[Callable[[float], float], Callable[[float], float]]:
+        """
+        Return what tells the expected log odds for an effect, and what its size costs of them.
+
+        Both take the logarithm of the size over the typical one, which moves errors by ``move``.
+        """
         target = np.linalg.solve(self._root.T, self._factors.T @ move)
         # By signal the pieces that the effect moves, each with those that the unit does.
         moved = {name: [(own, np.array(unit).reshape(-1, *own.shape)) for own, *unit in zip(
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
                  for name, signal in self._signals(move).items()}
 
-        def odds(log_share: float) -> float:
-            share = np.exp(log_share)
-            unit = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
+        @lru_cache(maxsize=1)
+        def unit(share: float) -> np.ndarray:
+            return lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
                 len(target)) else target
-            left = {name: Signal(tuple(share * own + np.tensordot(unit, known, 1)
+
+        def odds(place: float) -> float:
+            share = np.exp(place)
+            taken = unit(share)
+            left = {name: Signal(tuple(share * own + np.tensordot(taken, known, 1)
                                        for own, known in pieces), 0.0)
                     for name, pieces in moved.items()}
-            rest = move + self._factors @ unit / share
-            strained = (self._held + unit) @ (self._held + unit) - self._held @ self._held
-            return (self._more * expected_odds(left, self._means.sensors, 0.0)
-                    + 0.5 * float(strained) - self._asked + laplace(
-                        self._weight * np.array([[rest @ rest]]), np.array([False]),
-                        np.array([range_of(share, both_ways)]), np.array([share])))
+            strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
+            return 0.5 * float(strained) + self._more * expected_odds(
+                left, self._means.sensors, 0.0)
 
-        low, high = np.log(1e-4), np.log(1e3)
-        return float(np.exp(brentq(odds, low, high, xtol=0.02))) if odds(high) > 0.0 else np.inf
+        def price(place: float) -> float:
+            share = np.exp(place)
+            rest = move + self._factors @ unit(share) / share
+            return -laplace(self._weight * np.array([[rest @ rest]]), np.array([False]),
+                            np.array([range_of(share, both_ways)]), np.array([share]))
+
+        return odds, price
+
+
+def _crossing(odds: Callable[[float], float]) -> float:
+    """Return the share of a typical size from which on odds are above 0; inf if they never are."""
+    low, high = np.log(1e-4), np.log(1e3)
+    if odds(high) <= 0.0:
+        return np.inf
+    return float(np.exp(low if odds(low) >= 0.0 else brentq(odds, low, high, xtol=0.02)))

@@ -177,7 +177,7 @@ class PartCampaign(Campaign):
         return parameter.recorded_in(self.signals)
 
     def scatter(self, name: str, held_out: bool | None = True) -> float:
-        """Return two standard errors of the squared noise ratio on held-out samples."""
+        """Return two standard errors of the squared noise ratio."""
         count = 0.0
         for column in self.columns:
             if column.signal == name:

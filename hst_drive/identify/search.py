@@ -258,7 +258,7 @@ class Search:
                 beam = self._beam(best, level)
                 if not self.asked(best, beam[0]):
                     break
-            best = beam[0]
+            best = self.refine(beam[0])
             if len(best.names) == MOST_EFFECTS:
                 break
             level = self._extended(best, beam)
@@ -268,14 +268,13 @@ class Search:
         """
         Return the most probable candidates, each as good as its own Jacobian makes it.
 
-        That tells which of two that are near each other is the better one. What is far less likely
-        than ``best`` need not be known so well, unless it fits clearly better.
+        That tells which of two that are near each other is the better one, and finds what only a
+        Jacobian of its own shows: ripple on a soft shaft. What is at its end stays as it is.
         """
         beam, odds = self.likeliest(best, level)
-        least, cost = max(odds[0], 0.0) - CREDIBLE, (1.0 - _HOPE) * best.fit.cost
         return self.likeliest(best, [
-            self.refine(entry) if value >= least or value > -inf and entry.fit.cost < cost
-            else entry for entry, value in zip(beam, odds)])[0]
+            self.refine(entry) if value > -inf and value >= odds[0] - CREDIBLE else entry
+            for entry, value in zip(beam, odds)])[0]
 
     def likeliest(self, best: Candidate, level: Sequence[Candidate]
                   ) -> tuple[list[Candidate], np.ndarray]:

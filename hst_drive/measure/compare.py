@@ -211,12 +211,11 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
         part = part_replay(run, drive)
         return _Aligned(part, 0.0, dict(part.predict(drive)), part.floor(drive))
     first = last = _replayed(run, drive, count, 0.0)
+    measured = {name: np.where(count.samples, run[name], np.nan) for name in first.model
+                if np.isfinite(first.model[name])[count.samples & np.isfinite(run[name])].any()}
     power = []
     for _ in range(4):
-        floor = last.floor
-        measured = {name: np.where(count.samples, run[name], np.nan) for name in last.model}
-        model = {name: values for name, values in last.model.items()
-                 if np.isfinite(values + measured[name]).any()}
+        model, floor = {name: last.model[name] for name in measured}, last.floor
         power.append(sum(float(np.nanmean((model[name] - measured[name])**2)) / floor[name]**2
                          for name in model))
         found = _common({name: _delay(run.time, model[name], measured[name], floor[name])

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Linearised errors beside SciPy's bounded least squares on the whole, stacked problem."""
-from hst_drive.identify.linearised import Linearised
+from hst_drive.identify.linearised import Linearised, squared_slopes
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -35,3 +35,14 @@ def test_an_unknown_beside_others_is_one_of_them():
     assert both.normal == pytest.approx(whole.normal)
     assert both.gradient == pytest.approx(whole.gradient)
     assert both.least() == pytest.approx(whole.least())
+
+
+def test_slopes_are_summed_within_clusters_and_squared_between_them():
+    random = np.random.default_rng(4)
+    jacobian, residual = random.standard_normal((30, 3)), random.standard_normal(30)
+    cluster = random.integers(0, 5, 30)     # in any order
+    exact = np.zeros((3, 3))
+    for number in range(5):
+        slope = sum(jacobian[k] * residual[k] for k in range(30) if cluster[k] == number)
+        exact += np.outer(slope, slope)
+    assert squared_slopes(jacobian, residual, cluster) == pytest.approx(exact)

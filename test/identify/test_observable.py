@@ -10,6 +10,7 @@ from hst_drive.identify.search import Search
 from hst_drive.rig import default_rig
 import pytest
 
+from ..diagnose import benches
 from ..diagnose.benches import motor_bench, motor_rig
 from ..measure.synthetic import record
 
@@ -38,6 +39,16 @@ def test_in_a_log_of_a_part_as_well():
     """Flow and leakage are there, so that their balances are closed; how warm, no one knows."""
     run = motor_bench(channels=('motor_inlet_flow', 'case_drain_flow'))
     assert 'oil_temperature' in reason('leakage_temperature', motor_rig(), run)
+
+
+def test_in_a_table_without_noise_all_that_enters_shows(monkeypatch):
+    """Figures of a datasheet: what is far too small to matter would be seen."""
+    monkeypatch.setattr(benches, 'NOISE', {})
+    monkeypatch.setattr(benches, 'SENSORS', {})
+    campaign = campaign_of(motor_rig(), [motor_bench(table=True)])
+    found = visibility(campaign, calibrated(campaign), ['viscous_drag', 'back_pressure'])
+    assert all(0.0 < entry.smallest < 1e-2 * catalogue()[entry.id].parameters[0].typical
+               for entry in found)
 
 
 @pytest.mark.parametrize('name', ['motor_leakage', 'entrained_air'])

@@ -107,6 +107,10 @@ def test_commands_stamped_by_another_clock_are_moved(late):
                 for name, values in run.channels.items()}
     found = compare(Drive(RIG), [Run('late', run.time, readings, 'late.csv')])
     assert found.logs[0].shift == pytest.approx(0.01 * late, abs=0.004)
+    # A sensor that tells nothing where the drive is judged changes nothing of that.
+    readings['case_drain_flow'] = np.where(run.time < 0.1, 0.0, np.nan)
+    found = compare(Drive(RIG), [Run('late', run.time, readings, 'late.csv')])
+    assert found.logs[0].shift == pytest.approx(0.01 * late, abs=0.004)
 
 
 @pytest.mark.needs_numba
