@@ -17,7 +17,6 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
 
-NO_SIGN = 5.0       # deviations of a speed's noise: below them its sign is not known
 _BLOCK = 50         # samples in which noise is told from motion
 _SPAN, _FEWEST = 1.0, 10    # s and samples: a block of increments; a step of the load spoils few
 _CLEARLY = 0.5      # of the misfit of one pole: below, two poles fit better than by chance

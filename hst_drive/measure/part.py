@@ -20,7 +20,7 @@ from hst_drive.measure.balances import (
     BALANCES, closed, is_table, what_would_close)
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import source_of, told, Weak
-from hst_drive.measure.noise import NO_SIGN, steady_noise, surface_noise
+from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import DRAWS
 from hst_drive.measure.run import Run
@@ -28,6 +28,7 @@ from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
+from hst_drive.rig.rig import NO_SIGN
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 

@@ -20,6 +20,7 @@ OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
+NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
 
 
 @dataclass(frozen=True)

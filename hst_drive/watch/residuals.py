@@ -14,11 +14,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 from hst_drive.measure.circuit_balances import read_instead, watched
-from hst_drive.measure.noise import NO_SIGN
 from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
-from hst_drive.rig.rig import OPEN
+from hst_drive.rig.rig import NO_SIGN, OPEN
 from hst_drive.watch.samples import Accuracy, accuracy_of, bell, noise_of, Samples, SPEED
 from hst_drive.watch.stream import Window
 import numpy as np
