@@ -74,8 +74,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     names = campaign.candidates()
     search = Search(campaign, [], progress)
     seen = visibility(campaign, search.base, names)
-    hidden = {entry.id: entry.reason for entry in seen if entry.reason}
-    search.candidates = tuple(entry.id for entry in seen if entry.id not in hidden)
+    search.candidates = tuple(entry.id for entry in seen if entry.tried)
     best = standing(search, search.run())
     left = search.unexplained(best)
     more = one_cause(search, best, left)
@@ -121,6 +120,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     ranking = _ranking(search)
     ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
     unseen = outside(rig, (*runs, *holdout))
+    explained = {*best.names, *sum(rivals.values(), ())}
+    hidden = {entry.id: entry.reason for entry in seen if entry.reason
+              and entry.id not in explained}
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     return Diagnosis(
@@ -143,8 +145,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
             beyond(unseen)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
-        smallest={entry.id: entry.smallest for entry in seen
-                  if entry.id not in {*hidden, *best.names, *sum(rivals.values(), ())}},
+        smallest={entry.id: entry.smallest for entry in seen if not entry.reason
+                  and entry.id not in explained},
         calibration=moved, probability=given_answer(search, best, rivals, verdict),
         unknown=remaining,
         next_test=_measure(search, best, limited) if or_none else

@@ -42,12 +42,15 @@ class Visibility(NamedTuple):
         inf if none. What an effect does is taken to go with its size.
     reason : str
         Why it cannot be seen; empty if it can.
+    tried : bool
+        Whether it is worth a search: beside others, or in events, less may do for a name.
 
     """
 
     id: str
     smallest: float
     reason: str
+    tried: bool
 
 
 def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visibility]:
@@ -71,18 +74,20 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         effect = catalogue()[name]
         unseen = campaign.out_of_reach(name)
         if unseen:
-            found.append(Visibility(name, np.inf, unseen))
+            found.append(Visibility(name, np.inf, unseen, False))
             continue
         size = campaign.parameter(name, effect.parameters[0].name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         odds, price = shows.odds(move, size.low < campaign.off(name)[size.name])
         asked = CREDIBLE if name in campaign.adopted else CREDIBLE + log(len(names))
-        largest = np.log(max(abs(size.low), abs(size.high)) / abs(size.typical))
-        reason = '' if odds(largest) > log(DECIDED) else unread(campaign, name) or (
+        largest = max(abs(size.low), abs(size.high))
+        smallest = abs(size.typical) * _crossing(
+            lambda place: odds(place) - price(place) - asked)
+        reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
-        found.append(Visibility(name, abs(size.typical) * _crossing(
-            lambda place: odds(place) - price(place) - asked), reason))
+        found.append(Visibility(name, smallest, reason, not reason or odds(
+            log(largest / abs(size.typical))) > log(DECIDED)))
     return found
 
 
