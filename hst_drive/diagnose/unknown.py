@@ -61,6 +61,8 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     found, used = sizes(campaign, model, place)
     campaign = once_a_turn(campaign, model, found)
     data = samples(campaign, model, place, found, used)
+    if data.held_out.all() or not data.held_out.any():
+        return Unknown(place.enters, place.signal, (), '')      # too few to tell on what it hangs
     depends = depends_on(data)
     terms, explained = regress(data, lambda name: True)
     static = terms
@@ -131,7 +133,8 @@ def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
     """Return the formula to adopt; None if it does not lower the held-out error enough."""
     found = gain(campaign.blocks(model.errors), campaign.blocks(carried.fit.errors))
     total = sum(found.amount.values()), sum(
-        float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values())
+        float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values()
+        if np.isfinite(squares).any())
     if total[0] < PRACTICAL * total[1]:
         return None
     limits = intervals(campaign, carried.fit)

@@ -160,7 +160,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     cost = cost_of(unknowns, vector, residual[used(residual)])
     everything = list(range(len(vector)))
     own = [k for k in everything if unknowns.names[k] not in known]
-    jacobian = np.empty((len(vector), len(residual))).T
+    jacobian = np.zeros((len(vector), len(residual))).T
     for k in {*everything} - {*own}:
         jacobian[:, k] = known[unknowns.names[k]]
     # Whether what is not known was formed, nearby or here.

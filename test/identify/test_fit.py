@@ -137,3 +137,11 @@ def test_an_unknown_is_counted_in_a_size_within_its_bounds(name):
     campaign = Linear(np.zeros((1, 1)), np.zeros(1))
     unknowns = Unknowns(campaign, Model({name: dict(catalogue()[name].typical)}))
     assert (unknowns.high - unknowns.low >= 0.1).all()
+
+
+def test_a_model_as_it_stands_knows_nothing_of_its_unknowns():
+    """Without a step no Jacobian is formed, and none is made up."""
+    campaign = problem(1, (0.0, 0.0, 0.0))
+    for _ in range(3):
+        np.full((3, ROWS), 1e300)       # what memory may hold
+        assert not fit(campaign, start(), iterations=0).information.any()
