@@ -104,12 +104,13 @@ def stated(found: Probability) -> str:
 
 
 def odds(found: Probability) -> str:
-    """Tell how probable explanations are, the most probable first, those below 1 % left out."""
+    """Tell how probable explanations are, the most probable first, those below 1 % together."""
     shares = [(' + '.join(names), share) for names, share in found.sets]
     shares += [('none', found.none), ('unknown', found.unknown)]
+    told = sorted((entry for entry in shares if entry[1] >= 0.01), key=lambda item: -item[1])
+    rest = sum(share for _, share in shares if share < 0.01)
     return ', '.join(f'{what} {share:.2f}' if share < 0.995 else f'{what} above 0.99'
-                     for what, share in sorted(shares, key=lambda item: -item[1])
-                     if share >= 0.01)
+                     for what, share in (*told, *([('all others', rest)] if rest >= 0.01 else ())))
 
 
 def listed(names: Sequence[str], last: str = 'and') -> str:

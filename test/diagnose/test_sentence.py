@@ -29,5 +29,7 @@ def test_probabilities_are_told_the_highest_first_and_crumbs_left_out():
     found = Probability(0.004, 0.3, ((('leak',), 0.6), (('drag', 'leak'), 0.096)))
     assert odds(found) == 'leak 0.60, unknown 0.30, drag + leak 0.10'
     assert odds(Probability(0.999, 0.001, ())) == 'none above 0.99'
+    crumbs = tuple(((name,), 0.008) for name in 'abcde')
+    assert odds(Probability(0.9, 0.06, crumbs)) == 'none 0.90, unknown 0.06, all others 0.04'
     assert stated(found._replace(calibrated=True)) == f'probability: {odds(found)}'
     assert stated(found) == f'probability, not calibrated for such logs: {odds(found)}'
