@@ -80,7 +80,7 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
         return False
     if not search.unexplained(best._replace(fit=trial)):
         return True
-    before, after = (sum(excess(campaign.ratios(entry.errors, part)) for part in parts(campaign))
+    before, after = (excess(campaign.ratios(entry.errors, parts(campaign)[-1]))
                      for entry in (best.fit, trial))
     return 0.0 < before and after <= _REST * before
 
