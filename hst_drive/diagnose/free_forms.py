@@ -19,7 +19,7 @@ from hst_drive.identify.weigh import log_odds_unlisted
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
-_REST = 0.1             # of the excess squared error: who leaves more explains something else
+_REST = 0.25            # of the excess squared error: who leaves more explains something else
 PATIENT = 8             # steps of a fit that begins far from where it ends
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
