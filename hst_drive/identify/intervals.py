@@ -19,7 +19,7 @@ from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
 
-FORM = 0.02    # of a size, relative standard deviation: no machine follows a formula exactly
+FORM = 0.04    # of a size, relative standard deviation: no machine follows a formula exactly
 
 
 class Spread(NamedTuple):
