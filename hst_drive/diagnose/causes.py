@@ -95,9 +95,9 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
               freed: Campaign) -> bool:
     """Say whether a cause alone is the better answer; ``freed`` has the tolerances beside it."""
     if left or len(best.names) > 1:
-        return better(search, best, alone, freed, simpler=True)
+        return better(search, best, alone, freed, left, simpler=True)
     return limited(freed, alone) < limited(search.campaign, best.fit) and better(
-        search, best, alone, freed)
+        search, best, alone, freed, left)
 
 
 def misreadings(campaign: Campaign) -> Iterator[Freer]:

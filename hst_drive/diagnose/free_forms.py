@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import log
 from types import MappingProxyType
-from typing import Callable, Mapping, NamedTuple
+from typing import Callable, Container, Mapping, NamedTuple
 
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
@@ -67,20 +67,20 @@ def fitted_freer(campaign: Campaign, model: Model, freer: Freer,
 
 
 def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
-           simpler: bool = False) -> bool:
+           left: Container[str], simpler: bool = False) -> bool:
     """
     Say whether something that is not listed, fitted in a campaign, is a better answer than a set.
 
     It leaves nothing unexplained, or little, and the logs are far likelier with it. Where the set
-    leaves something they need not be, if the evidence does not speak against it; where the set is
-    not as simple, they must only not be far less likely.
+    leaves something (``left``) they need not be, if the evidence does not speak against it; where
+    the set is not as simple, they must only not be far less likely.
     """
-    least = -CREDIBLE if simpler else -log(DECIDED) if search.unexplained(best) else CREDIBLE
+    least = -CREDIBLE if simpler else -log(DECIDED) if left else CREDIBLE
     if log_odds_unlisted(search, best, campaign, trial) <= least:
         return False
     if not search.unexplained(best._replace(fit=trial)):
         return True
-    before, after = (excess(campaign.ratios(entry.errors, parts(campaign)[-1]))
+    before, after = (sum(excess(campaign.ratios(entry.errors, part)) for part in parts(campaign))
                      for entry in (best.fit, trial))
     return 0.0 < before and after <= _REST * before
 

@@ -77,20 +77,22 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
     found: dict[str, Unlisted] = {}
     if search.campaign.by_balance:
         return found
+    left = search.unexplained(best)
     for name in best.names:
         tried = [*_formula(search, best, name), *_actuator(search, best, name)]
         search.unlisted += [(search.campaign, trial.fit.light()) for trial in tried]
         trial = next((entry for entry in sorted(tried, key=lambda item: search.score(item.fit))
-                      if better(search, best, entry.fit, search.campaign)), None)
+                      if better(search, best, entry.fit, search.campaign, left)), None)
         if trial:
             found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place '
                 f'{how_much_better(search, best, trial.fit)}',
                 told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
-    return found or _of_warmth(search, best)
+    return found or _of_warmth(search, best, left)
 
 
-def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
+def _of_warmth(search: Search, best: Candidate,
+               left: Container[str]) -> dict[str, Unlisted]:
     """Return the effects in whose common place what goes with the oil's warmth fits better."""
     names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
     if len(names) < 2 or not WARMED_UP <= np.ptp(np.concatenate(
@@ -106,7 +108,7 @@ def _of_warmth(search: Search, best: Candidate) -> dict[str, Unlisted]:
     search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
     trial = min(trials, key=lambda item: search.score(item.fit))
     # Of what explains as much one cause is a better answer than several.
-    if not better(search, best, trial.fit, search.campaign, simpler=True):
+    if not better(search, best, trial.fit, search.campaign, left, simpler=True):
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
     return dict.fromkeys(names, Unlisted(
@@ -125,7 +127,7 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
         return None
     for trial in _beside(search, best, left):
         search.unlisted.append((search.campaign, trial.fit.light()))
-        if better(search, best, trial.fit, search.campaign):
+        if better(search, best, trial.fit, search.campaign, left):
             return Unlisted(f'{trial.what} {how_much_better(search, best, trial.fit)}',
                             trial.unknown)
     return None
