@@ -24,7 +24,6 @@ import numpy as np
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
-_STILL = 1e-8   # squared step, scaled: on so short a way errors tell nothing of the Jacobian
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 _AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
@@ -189,8 +188,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         as_said = gain >= _AS_SAID * (linear.cost - linear.after(move)) > 0.0
         trusted, formed, here = here or as_said, bool(known) and as_said, False
         surprise = moved - residual - jacobian @ move
-        if (length := float(move @ move)) > _STILL:
-            jacobian += np.outer(move / length, surprise).T
+        jacobian += np.outer(move / (move @ move), surprise).T
         vector, errors, residual, cost = reached, trial_errors, moved, trial_cost
         # A first step along a bend gains little; where time is taken the next one may gain more.
         if trusted and gain < 1e-3 * cost + 0.5 and (place or not refresh):

@@ -9,7 +9,6 @@ says what 'none' is worth.
 """
 from __future__ import annotations
 
-from functools import lru_cache
 from math import log
 from typing import Callable, NamedTuple, Sequence
 
@@ -79,15 +78,15 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         size = campaign.parameter(name, effect.parameters[0].name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
-        odds, price = shows.odds(move, size.low < campaign.off(name)[size.name])
+        odds = shows.odds(move, size.low < campaign.off(name)[size.name])
         asked = CREDIBLE if name in campaign.adopted else CREDIBLE + log(len(names))
         largest = max(abs(size.low), abs(size.high))
         smallest = abs(size.typical) * _crossing(
-            lambda place: odds(place) - price(place) - asked)
+            lambda place: float(np.subtract(*odds(place))) - asked)
         reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
         found.append(Visibility(name, smallest, reason, not reason or odds(
-            log(largest / abs(size.typical))) > log(DECIDED)))
+            log(largest / abs(size.typical)))[0] > log(DECIDED)))
     return found
 
 
@@ -120,12 +119,11 @@ class _Shows:
         means = self._means.of_training(vector)
         return self._means.signals(means, means)
 
-    def odds(self, move: np.ndarray, both_ways: bool
-             ) -> tuple[Callable[[float], float], Callable[[float], float]]:
+    def odds(self, move: np.ndarray, both_ways: bool) -> Callable[[float], tuple[float, float]]:
         """
         Return what tells the expected log odds for an effect, and what its size costs of them.
 
-        Both take the logarithm of the size over the typical one, which moves errors by ``move``.
+        It takes the logarithm of the size over the typical one, which moves errors by ``move``.
         """
         target = np.linalg.solve(self._root.T, self._factors.T @ move)
         # By signal the pieces that the effect moves, each with those that the unit does.
@@ -133,28 +131,21 @@ class _Shows:
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
                  for name, signal in self._signals(move).items()}
 
-        @lru_cache(maxsize=1)
-        def unit(share: float) -> np.ndarray:
-            return lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
-                len(target)) else target
-
-        def odds(place: float) -> float:
+        def odds(place: float) -> tuple[float, float]:
             share = np.exp(place)
-            taken = unit(share)
+            taken = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
+                len(target)) else target
             left = {name: Signal(tuple(share * own + np.tensordot(taken, known, 1)
                                        for own, known in pieces), 0.0)
                     for name, pieces in moved.items()}
             strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
+            rest = move + self._factors @ taken / share
             return 0.5 * float(strained) + self._more * expected_odds(
-                left, self._means.sensors, 0.0)
+                left, self._means.sensors, 0.0), -laplace(
+                    self._weight * np.array([[rest @ rest]]), np.array([False]),
+                    np.array([range_of(share, both_ways)]), np.array([share]))
 
-        def price(place: float) -> float:
-            share = np.exp(place)
-            rest = move + self._factors @ unit(share) / share
-            return -laplace(self._weight * np.array([[rest @ rest]]), np.array([False]),
-                            np.array([range_of(share, both_ways)]), np.array([share]))
-
-        return odds, price
+        return odds
 
 
 def _crossing(odds: Callable[[float], float]) -> float:

@@ -258,7 +258,7 @@ class Search:
                 beam = self._beam(best, level)
                 if not self.asked(best, beam[0]):
                     break
-            best = self.refine(beam[0])
+            beam[0] = best = self.refine(beam[0])
             if len(best.names) == MOST_EFFECTS:
                 break
             level = self._extended(best, beam)
