@@ -23,7 +23,7 @@ EFFECT = Effect(
         Parameter('conductance', 'm^3/(s.Pa)', 0.0, 3e-11, 1.3e-12,
                   'additional leakage of the hydromotor over pressure, at 70 bar'),
         Parameter('exponent', '1', 0.65, 1.35, 1.0, 'power of the pressure: 1 laminar',
-                  neutral=1.0, whole_drive=True),
+                  neutral=1.0, whole_drive=True, usual=(1.0,)),
     ),
     telltale='The flow meter reads more than the hydromotor turns away, in proportion to '
              'pressure and whatever the speed.',

@@ -28,7 +28,7 @@ EFFECT = Effect(
                   'additional leakage over pressure, at 70 bar'),
         Parameter('exponent', '1', 0.35, 1.65, 1.0,
                   'power of the pressure: 1 laminar, 0.5 like an orifice', neutral=1.0,
-                  whole_drive=True),
+                  whole_drive=True, usual=(1.0, 0.5)),
     ),
     telltale='The flow meter reads less than the pump should give, in proportion to pressure and '
              'whatever the stroke; the hydromotor turns what the meter reads.',

@@ -3,10 +3,12 @@
 """Machines as authors of other simulators wrote them (bench/frozen, unseen): other forms, rigs."""
 from test.diagnose.unseen import unseen
 
+from bench import doses_frozen
 from bench.frozen.make import make
 from hst_drive.bag import read_log
+from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.rig import default_rig, load_rig
+from hst_drive.rig import default_rig, load_rig, parse_rig
 import pytest
 
 
@@ -43,3 +45,16 @@ def test_the_likeliest_of_what_stands_is_named_first(tmp_path):
     found = diagnose(*unseen(5008, tmp_path))
     effect, = found.effects
     assert effect.id == 'hydrodynamic_drag' and 'line_loss' in effect.indistinguishable_from
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('machine, number, name, dose', [
+    (0, 20, 'motor_leakage', 0.2), (1, 21, 'pump_leakage', 0.2)])
+def test_a_leak_that_no_power_of_the_pressure_fits_is_still_a_leak(machine, number, name, dose):
+    """The best power is at the end of its range: the laminar gap stands for it."""
+    sheet, first = doses_frozen.day(machine, 0)
+    unit = commission(sheet, 'rig', [*first, *doses_frozen.day(machine, 1)[1]]).rig
+    found = diagnose(parse_rig(unit, 'unit'), doses_frozen.day(machine, number, name, dose)[1])
+    effect, = found.effects
+    assert effect.id == name
+    assert effect.parameters['exponent'].value == 1.0
