@@ -7,12 +7,14 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass, field
 import json
+import math
 from pathlib import Path
 
 import numpy as np
 import yaml
 
 from . import catalogue, circuit, readings, rigs, valve, work
+from .common import STEP
 from ..terms import record
 
 KINDS = ('none', 'single', 'pair', 'unlisted')
@@ -25,6 +27,7 @@ DRIVER = ('pump_speed', 'pump_outlet_pressure')    # where measured, it may wand
 GEAR = ('gear_backlash', 'gearbox_loss')    # need one
 # a measurement that would take the effect in
 BLIND = {'pump_speed_droop': 'pump_speed', 'supply_sag': 'pump_outlet_pressure'}
+LIMIT = 2.5     # step times rate: beyond 2.78 a Runge-Kutta step of fourth order swings up
 
 
 @dataclass
@@ -83,6 +86,15 @@ def machine(sheet: dict, factor: dict[str, float], chosen: dict[str, dict], rng,
         flat.update(one['si_parameters'])
         flat[f'f_{ident}'] = float(known[ident].forms.index(one['form']))
     return flat
+
+
+def finer(flat: dict[str, float]) -> int:
+    """Return by what the solver's step must be divided, so that charge and check valves settle."""
+    if 'v_charge' not in flat:
+        return 1
+    fastest = 1.1 * flat['bulk'] * (
+        (flat['g_charge'] + flat['g_check0']) / flat['v_charge'] + flat['g_check0'] / flat['volume'])
+    return math.ceil(STEP * fastest / LIMIT)
 
 
 def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None, *,
@@ -169,7 +181,7 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
             do['small'])
         out = KERNEL[name].run(record(flat), do['setpoint'], do['manual'], do['closed'],
                                do['rock'], do['push'], fluid, degrees, engine, tick,
-                               do['breakout'], d_motor, refine)
+                               do['breakout'], d_motor, refine * finer(flat))
         states = {key: out[:, i] for i, key in enumerate(KERNEL[name].OUT)}
         states.update(setpoint=do['setpoint'], small=do['small'], temperature=degrees, noise=tick)
         measured[log] = readings.sample(states, channels, rate, sheet, value, form, here,
