@@ -102,7 +102,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
-    first = best if left or doubt or or_none else likeliest(search, best, rivals)
+    first = best if left or doubt else likeliest(search, best, rivals)
     if first is not best:
         rivals = rivals_of(search, first, best, rivals)
         best, order = first, _order(search, first)

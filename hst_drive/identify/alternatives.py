@@ -7,7 +7,7 @@ from typing import Sequence
 
 from hst_drive.effects import catalogue
 from hst_drive.identify.evidence import CREDIBLE
-from hst_drive.identify.fit import at_its_end
+from hst_drive.identify.fit import at_ends
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
@@ -36,7 +36,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',
                            again=True)
-    found = [entry for entry in found if not at_its_end(
+    found = [entry for entry in found if not at_ends(
         search.campaign, entry.fit.model, _new(entry, others))]
     odds = log_odds(search, [best, *found])[1:]
     return tuple(_new(found[place], others) for place in np.argsort(-odds)

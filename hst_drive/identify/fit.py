@@ -212,7 +212,11 @@ def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
     if own is campaign:
         return campaign, fitted
     kept = {*Unknowns(own, fitted.model).names} - {*fitted.names}
-    return own, fit(own, fitted.model, kept=kept, refresh=True)
+    found = fit(own, fitted.model, kept=kept, refresh=True)
+    # A shape that runs away when all rows count stays as it was found.
+    ran = {(name, key) for name, values in found.model.effects.items()
+           for key in at_ends(own, found.model, name) if key != next(iter(values))}
+    return own, fit(own, fitted.model, kept=kept | ran, refresh=True) if ran else found
 
 
 def _trials(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: float,
@@ -260,11 +264,12 @@ def limited(campaign: Campaign, fitted: Fit) -> set[str]:
 
 def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:
     """Say whether one of some effects sits at an end of what is plausible on a machine."""
-    return any(at_its_end(campaign, model, name) for name in names)
+    return any(at_ends(campaign, model, name) for name in names)
 
 
-def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:
-    """Say whether a parameter of an effect sits at an end of what is plausible on a machine."""
+def at_ends(campaign: Campaign, model: Model, name: str) -> list[str]:
+    """Return the parameters of an effect at an end of what is plausible on a machine."""
+    found = []
     for place, declared in enumerate(catalogue(everything=True)[name].parameters):
         entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
@@ -274,5 +279,5 @@ def at_its_end(campaign: Campaign, model: Model, name: str) -> bool:
         ends = [end for end in ends if end not in (0.0, entry.neutral, *entry.usual)]
         if not entry.fixed and not form and any(abs(value - end) <= _AT_END * abs(end)
                                                 for end in ends):
-            return True
-    return False
+            found.append(entry.name)
+    return found

@@ -15,7 +15,7 @@ from typing import Collection
 
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import DECIDED
-from hst_drive.identify.fit import at_its_end, Fit, settled
+from hst_drive.identify.fit import at_ends, Fit, settled
 from hst_drive.identify.judge import AT_NOISE, excess, judged
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
@@ -29,7 +29,7 @@ def standing(search: Search, best: Candidate) -> Candidate:
     while best.names:
         fewer = _each_without(search, best, again=True)
         left, sizes = forms(search, best), settled(search.campaign, best.fit)[1].model
-        against = {name: inf if left[name] > _MOST_LEFT or at_its_end(
+        against = {name: inf if left[name] > _MOST_LEFT or at_ends(
                        search.campaign, sizes, name) else odds
                    for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
         weakest = max(against, key=lambda name: (against[name], left[name]))
@@ -56,9 +56,13 @@ def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float
     """Return what is left beyond noise and chance over what was taken away, both rms."""
     first, last = (campaign.ratios(entry.errors, held_out) for entry in (before, after))
     own, fitted = judged(campaign, after)
-    left = sum(max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0)
-               for name, ratio in own.ratios(fitted.errors, held_out).items())
-    return float(np.sqrt(left / max(excess(first) - excess(last), 1e-9)))
+    left = taken = 0.0
+    for name, ratio in own.ratios(fitted.errors, held_out).items():
+        off = excess({name: first[name]}) - excess({name: last[name]})
+        # Where an effect takes nothing away, what is left is not its own.
+        left += min(max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0), max(off, 0.0))
+        taken += off
+    return float(np.sqrt(left / max(taken, 1e-9)))
 
 
 def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:

@@ -27,6 +27,18 @@ def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed
 
 
 @pytest.mark.slow
+def test_a_leak_is_named_whose_power_runs_to_its_end_when_all_rows_count(tmp_path):
+    """A pump that leaks as gap and orifice together; without a flow meter it may be the motor."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single',
+                                '--seed', '9683')
+    assert [*truth['effects']] == ['pump_leakage']
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    first = found.effects[0]
+    assert 'pump_leakage' in (first.id, *first.indistinguishable_from)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize('kind, seed, named', [
     # A worn hydromotor leaks from both lines: from one alone it looked like an opening.
     ('single', 9221, ['motor_leakage']),

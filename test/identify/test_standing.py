@@ -15,6 +15,7 @@ import pytest
 
 from ..measure.synthetic import record
 from ..truth import make_campaign
+from ..truth.sensors import STANDARD
 
 FOREIGN = Path(__file__).resolve().parents[3] / 'shared' / 'foreign'
 pytestmark = pytest.mark.needs_numba
@@ -75,6 +76,19 @@ def test_an_effect_stands_whose_parts_cannot_be_told_apart(among):
         74, {'line_loss': 0.6}, gentle=True, duration=30.0,
         logs=('drilling', 'drilling_holdout'))))
     assert [entry.id for entry in found.effects] == ['line_loss']
+
+
+def test_an_effect_stands_beside_a_sensor_that_it_does_not_move(among):
+    """A flow meter of the case drain that reads half as much again says nothing of friction."""
+    among('viscous_drag')
+    rig, logs, held_out = as_runs(make_campaign(
+        73, {'viscous_drag': 1.0}, duration=30.0, channels=(*STANDARD, 'case_drain_flow'),
+        logs=('drilling', 'speed_sweep', 'drilling_holdout')))
+    for log in (*logs, *held_out):
+        log.channels['case_drain_flow'] *= 1.5
+    found = diagnose(rig, logs, held_out)
+    assert found.verdict == 'unknown'
+    assert [entry.id for entry in found.effects] == ['viscous_drag']
 
 
 @foreign
