@@ -93,7 +93,8 @@ def finer(flat: dict[str, float]) -> int:
     if 'v_charge' not in flat:
         return 1
     fastest = 1.1 * flat['bulk'] * (
-        (flat['g_charge'] + flat['g_check0']) / flat['v_charge'] + flat['g_check0'] / flat['volume'])
+        (flat['g_charge'] + flat['g_check0']) / flat['v_charge']
+        + flat['g_check0'] / flat['volume'])
     return math.ceil(STEP * fastest / LIMIT)
 
 
