@@ -19,6 +19,7 @@ from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
+from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -122,6 +123,11 @@ class Campaign:
     def _floors(self) -> list[dict[str, float]]:
         return [replay_floor(replay, self.judge, count=usable)
                 for replay, usable in zip(self.replays, self.usable)]
+
+    @property
+    def asked(self) -> float:
+        """Log odds from which on a first effect is worth a name."""
+        return STRONG if self.rig.fingerprint else CREDIBLE
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""

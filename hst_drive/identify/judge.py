@@ -101,6 +101,11 @@ def unharmed(found: Gain) -> bool:
                for name, value in found.sigma.items())
 
 
+def matters(*gains: Gain) -> bool:
+    """Say whether the better model takes a tenth of the squared error of any signal away."""
+    return any(share >= PRACTICAL for entry in gains for share in entry.share.values())
+
+
 def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:
     """
     Say whether held-out and fitted errors both hold what the better model moves.

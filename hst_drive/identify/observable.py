@@ -16,8 +16,9 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import (
-    CREDIBLE, DECIDED, expected_odds, laplace, range_of, Signal, weight)
+    DECIDED, expected_odds, laplace, range_of, Signal, weight)
 from hst_drive.identify.fit import Fit
+from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import Means
 import numpy as np
@@ -68,6 +69,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 
     """
     start, shows = campaign.training(base.errors), _Shows(campaign, base)
+    own = campaign.rig.fingerprint is not None
     found = []
     for name in names:
         effect = catalogue()[name]
@@ -79,10 +81,9 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])
-        asked = CREDIBLE if name in campaign.adopted else CREDIBLE + log(len(names))
+        asked = campaign.asked + (0.0 if name in campaign.adopted else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
-        smallest = abs(size.typical) * _crossing(
-            lambda place: float(np.subtract(*odds(place))) - asked)
+        smallest = abs(size.typical) * _crossing(lambda place: _named(*odds(place), asked, own))
         reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
         found.append(Visibility(name, smallest, reason, not reason or odds(
@@ -119,11 +120,13 @@ class _Shows:
         means = self._means.of_training(vector)
         return self._means.signals(means, means)
 
-    def odds(self, move: np.ndarray, both_ways: bool) -> Callable[[float], tuple[float, float]]:
+    def odds(self, move: np.ndarray,
+             both_ways: bool) -> Callable[[float], tuple[float, float, float]]:
         """
         Return what tells the expected log odds for an effect, and what its size costs of them.
 
-        It takes the logarithm of the size over the typical one, which moves errors by ``move``.
+        And its share of the squared error of a signal, of that where it is greatest. It takes the
+        logarithm of the size over the typical one, which moves errors by ``move``.
         """
         target = np.linalg.solve(self._root.T, self._factors.T @ move)
         # By signal the pieces that the effect moves, each with those that the unit does.
@@ -131,7 +134,7 @@ class _Shows:
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
                  for name, signal in self._signals(move).items()}
 
-        def odds(place: float) -> tuple[float, float]:
+        def odds(place: float) -> tuple[float, float, float]:
             share = np.exp(place)
             taken = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
                 len(target)) else target
@@ -140,12 +143,21 @@ class _Shows:
                     for name, pieces in moved.items()}
             strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
             rest = move + self._factors @ taken / share
+            power = max((float(np.mean(np.concatenate([*map(np.ravel, entry.pieces)])**2))
+                         for entry in left.values()), default=0.0)
             return 0.5 * float(strained) + self._more * expected_odds(
                 left, self._means.sensors, 0.0), -laplace(
                     self._weight * np.array([[rest @ rest]]), np.array([False]),
-                    np.array([range_of(share, both_ways)]), np.array([share]))
+                    np.array([range_of(share, both_ways)]), np.array([share])), (
+                        power / (1.0 + power))
 
         return odds
+
+
+def _named(expected: float, price: float, share: float, asked: float, own: bool) -> float:
+    """Return how far an effect is beyond what ``Search.asked`` asks; ``own``: of a file."""
+    beyond = expected - price - asked
+    return beyond if own else min(beyond, float(np.log(max(share, 1e-30) / PRACTICAL)))
 
 
 def _crossing(odds: Callable[[float], float]) -> float:

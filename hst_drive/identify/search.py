@@ -16,7 +16,8 @@ from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import ended, Fit, fit, score
-from hst_drive.identify.judge import contribution, Gain, gain, parts, shown, unexplained
+from hst_drive.identify.judge import (
+    contribution, Gain, gain, matters, parts, shown, unexplained)
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of
@@ -161,21 +162,27 @@ class Search:
         Say whether the logs ask for what the second candidate has more: they are likelier.
 
         What leaves nothing unexplained need not be likelier, if the evidence does not speak
-        against it. Where nothing was, it must be far likelier; there short events may ask for it
-        as well, for which the evidence is too careful.
+        against it. Where nothing was, it must be far likelier, and matter; there short events may
+        ask for it as well, for which the evidence is too careful.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
-        return odds > CREDIBLE or odds > -np.inf and self._shown(before, after)
+        asked = CREDIBLE if before.names else self.campaign.asked
+        # A make is off its formulas, by a second short lag say; a machine's own past is not.
+        return odds > -np.inf and self._shown(before, after) or odds > asked and (
+            self.campaign.rig.fingerprint is not None or matters(*self._gains(before, after)))
 
     def _shown(self, before: Candidate, after: Candidate) -> bool:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""
         if flexible({*after.names} - {*before.names}):
             return False    # its load follows rough rock better whether it is there or not
-        return shown(*(self.gain(before, after, part) for part in (True, False)),
+        return shown(*self._gains(before, after),
                      contribution(self.campaign, self.bare, before.fit))
+
+    def _gains(self, before: Candidate, after: Candidate) -> list[Gain]:
+        return [self.gain(before, after, part) for part in (True, False)]
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

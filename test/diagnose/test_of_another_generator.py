@@ -58,3 +58,12 @@ def test_a_leak_that_no_power_of_the_pressure_fits_is_still_a_leak(machine, numb
     effect, = found.effects
     assert effect.id == name
     assert effect.parameters['exponent'].value == 1.0
+
+
+@pytest.mark.needs_numba
+def test_a_second_lag_that_no_error_shows_is_none(tmp_path):
+    """Its servo has a pole of its own: by its stroke far likelier, and no error falls."""
+    assert make(84_000, 13, tmp_path, 'none')['effects'] == []
+    *logs, held_out = (read_log(tmp_path / f'{log}.csv') for log in (
+        'drilling', 'open_loop', 'speed_sweep', 'drilling_holdout'))
+    assert diagnose(load_rig(tmp_path / 'rig.yaml'), logs, [held_out]).verdict == 'none'
