@@ -16,6 +16,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded, solve_banded
+from scipy.optimize import nnls
 
 _BLOCK = 50         # samples in which noise is told from motion
 _SPAN, _FEWEST = 1.0, 10    # s and samples: a block of increments; a step of the load spoils few
@@ -129,6 +130,36 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
         rough, _ = _fitted(lags * step, half, smooth.noise_std**2, most, poles=1)
     return Coloured(rough.std * math.sqrt(top), rough.time_constant,
                     rough.noise_std * math.sqrt(top))
+
+
+def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float) -> np.ndarray:
+    """
+    Return how the variance of a rough load goes with the load's square, over its usual one.
+
+    What is rough in rock is a share of its torque, and what is rough in a drive is not.
+
+    Parameters
+    ----------
+    time, rough, load : ndarray, shape (n,)
+        s, and N.m: what is fast in the unexplained torque, and the load itself.
+    noise : float
+        White part of the first, N.m.
+
+    """
+    size = max(round(_SPAN / float(np.median(np.diff(time)))), _FEWEST)
+    power = _block_means(rough**2, size) - noise**2
+    level = _block_means(load**2, size)
+    quarters = np.array_split(np.argsort(level), 4)
+    if min(map(len, quarters)) < 3:
+        return np.ones(len(time))
+    # Medians: what a model misses now and then is no roughness.
+    squares, powers = (np.array([np.median(values[part]) for part in quarters])
+                       for values in (level, power))
+    scale = max(float(squares.max()), 1e-30)
+    alike, share = nnls(np.column_stack([np.ones(4), squares / scale]),
+                        np.maximum(powers, 0.0))[0]
+    usual = float(np.median(alike + share * level / scale))
+    return (alike + share * load**2 / scale) / usual if usual > 0.0 else np.ones(len(time))
 
 
 def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,

@@ -17,7 +17,7 @@ from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
-from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother
+from hst_drive.measure.noise import Coloured, estimate_coloured, rougher, Smoother
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import Behind, behind, load_side
@@ -216,6 +216,9 @@ class Replay:
             self.run.time, rest - self.readings.slow(rest), noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
+        self.doubts = {name: self.roughness.std * np.sqrt(np.maximum(rougher(
+            self.run.time, rest - self.readings.slow(rest), self._load_model(drive),
+            self.noise[name]) - 1.0, 0.0))}
         self.can_correct = True
 
     def _refine_noise(self, drive: Drive) -> None:

@@ -61,6 +61,14 @@ def test_a_leak_that_no_power_of_the_pressure_fits_is_still_a_leak(machine, numb
 
 
 @pytest.mark.needs_numba
+def test_rock_whose_roughness_goes_with_its_load_is_no_change():
+    sheet, first = doses_frozen.day(4, 0)
+    unit = commission(sheet, 'rig', [*first, *doses_frozen.day(4, 1)[1]]).rig
+    found = diagnose(parse_rig(unit, 'unit'), doses_frozen.day(4, 12, rougher=True)[1])
+    assert found.verdict == 'none'
+
+
+@pytest.mark.needs_numba
 def test_a_second_lag_that_no_error_shows_is_none(tmp_path):
     """Its servo has a pole of its own: by its stroke far likelier, and no error falls."""
     assert make(84_000, 13, tmp_path, 'none')['effects'] == []

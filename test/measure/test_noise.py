@@ -1,7 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Noise, coloured disturbances and their smoothing, against simulated and exact values."""
-from hst_drive.measure.noise import Coloured, estimate_coloured, noise_std, Smoother
+from hst_drive.measure.noise import (
+    Coloured, estimate_coloured, noise_std, rougher, Smoother)
 import numpy as np
 import pytest
 
@@ -97,6 +98,23 @@ def dense():
     gain = cross @ np.linalg.inv(prior[np.ix_(valid, valid)] + assumed.noise_std**2 * np.eye(
         valid.sum()))
     return time, valid, assumed, gain, prior - gain @ cross.T
+
+
+@pytest.mark.parametrize('goes_with_load', [True, False])
+def test_rock_is_as_rough_as_its_load_or_always_alike(goes_with_load):
+    """Ten layers of 20 to 240 N.m, 1 % of it or 1 N.m rough in 0.5 N.m of noise."""
+    load = 20.0 + 220.0 * np.random.default_rng(3).permutation(10)[(TIME / 6).astype(int)] / 9
+    found = []
+    for seed in range(12):
+        random = np.random.default_rng(seed)
+        rough = coloured(random, len(TIME), 0.01, 1.0, 0.1) * (
+            0.01 * load if goes_with_load else 1.0)
+        found.append(rougher(TIME, rough + 0.5 * random.standard_normal(len(TIME)), load, 0.5))
+    true = load**2 / np.median(load**2) if goes_with_load else np.ones(len(TIME))
+    high, low = load > 150.0, load < 60.0
+    for part in (high, low) if goes_with_load else (high,):
+        assert np.mean(found, axis=0)[part].mean() == pytest.approx(
+            true[part].mean(), rel=0.25, abs=0.1)
 
 
 def test_smoother_is_the_gaussian_process_mean(dense):
