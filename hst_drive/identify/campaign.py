@@ -125,7 +125,7 @@ class Campaign:
                 for replay, usable in zip(self.replays, self.usable)]
 
     @property
-    def asked(self) -> float:
+    def odds_asked(self) -> float:
         """Log odds from which on a first effect is worth a name."""
         return STRONG if self.rig.fingerprint else CREDIBLE
 

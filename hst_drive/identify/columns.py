@@ -14,7 +14,8 @@ class Column(NamedTuple):
     One signal of one log.
 
     ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
-    is below 1 where time stamps matter, since the signal moves fast, or no formula is sure.
+    is below 1 where time stamps matter, since the signal moves fast, where no formula is sure, or
+    where rock is rougher than usual.
     """
 
     log: int

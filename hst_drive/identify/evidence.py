@@ -36,11 +36,9 @@ _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
 _USUAL = 3.0        # typical sizes, within which half of all effects lie
 DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass and Raftery)
-# Natural logarithm of the odds from which on an effect is named, and a rival is told no more.
-CREDIBLE = log(1000.0)
-# The same against a machine's own past, which is off its formulas as the new logs are: there
-# evidence need only be strong (Kass and Raftery).
-STRONG = log(20.0)
+# Log odds from which on an effect is named, and a rival is told no more; and a first effect
+# against a machine's own past, which is off its formulas as the new logs are (Kass and Raftery).
+CREDIBLE, STRONG = log(1000.0), log(20.0)
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
 _EDGES = np.array([0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf])

@@ -215,7 +215,8 @@ def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
     found = fit(own, fitted.model, kept=kept, refresh=True)
     # A shape that runs away when all rows count stays as it was found.
     ran = {(name, key) for name, values in found.model.effects.items()
-           for key in at_ends(own, found.model, name) if key != next(iter(values))}
+           for key in at_ends(own, found.model, name) if key != next(iter(values))} & {
+               *found.names}
     return own, fit(own, fitted.model, kept=kept | ran, refresh=True) if ran else found
 
 

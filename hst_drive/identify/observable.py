@@ -81,7 +81,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])
-        asked = campaign.asked + (0.0 if name in campaign.adopted else log(len(names)))
+        asked = campaign.odds_asked + (0.0 if name in campaign.adopted else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
         smallest = abs(size.typical) * _crossing(lambda place: _named(*odds(place), asked, own))
         reason = '' if smallest <= largest else unread(campaign, name) or (
@@ -123,10 +123,10 @@ class _Shows:
     def odds(self, move: np.ndarray,
              both_ways: bool) -> Callable[[float], tuple[float, float, float]]:
         """
-        Return what tells the expected log odds for an effect, and what its size costs of them.
+        Return a function of the logarithm of an effect's size over the typical one.
 
-        And its share of the squared error of a signal, of that where it is greatest. It takes the
-        logarithm of the size over the typical one, which moves errors by ``move``.
+        It gives the expected log odds, what the size costs of them, and the greatest share of a
+        signal's squared error that the effect takes. The typical size moves errors by ``move``.
         """
         target = np.linalg.solve(self._root.T, self._factors.T @ move)
         # By signal the pieces that the effect moves, each with those that the unit does.
@@ -143,8 +143,9 @@ class _Shows:
                     for name, pieces in moved.items()}
             strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
             rest = move + self._factors @ taken / share
-            power = max((float(np.mean(np.concatenate([*map(np.ravel, entry.pieces)])**2))
-                         for entry in left.values()), default=0.0)
+            # What is judged on counts as 0 there.
+            power = self._more * max((float(np.mean(np.concatenate(
+                [*map(np.ravel, entry.pieces)])**2)) for entry in left.values()), default=0.0)
             return 0.5 * float(strained) + self._more * expected_odds(
                 left, self._means.sensors, 0.0), -laplace(
                     self._weight * np.array([[rest @ rest]]), np.array([False]),

@@ -162,27 +162,25 @@ class Search:
         Say whether the logs ask for what the second candidate has more: they are likelier.
 
         What leaves nothing unexplained need not be likelier, if the evidence does not speak
-        against it. Where nothing was, it must be far likelier, and matter; there short events may
-        ask for it as well, for which the evidence is too careful.
+        against it. Where nothing was, it must be far likelier (``Campaign.odds_asked``) and, by a
+        datasheet, matter; there short events may ask for it as well, for which the evidence is too
+        careful.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
-        asked = CREDIBLE if before.names else self.campaign.asked
+        gains = [self.gain(before, after, part) for part in (True, False)]
+        asked = CREDIBLE if before.names else self.campaign.odds_asked
         # A make is off its formulas, by a second short lag say; a machine's own past is not.
-        return odds > -np.inf and self._shown(before, after) or odds > asked and (
-            self.campaign.rig.fingerprint is not None or matters(*self._gains(before, after)))
+        return odds > -np.inf and self._shown(before, after, gains) or odds > asked and (
+            self.campaign.rig.fingerprint is not None or matters(*gains))
 
-    def _shown(self, before: Candidate, after: Candidate) -> bool:
+    def _shown(self, before: Candidate, after: Candidate, gains: Sequence[Gain]) -> bool:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""
         if flexible({*after.names} - {*before.names}):
             return False    # its load follows rough rock better whether it is there or not
-        return shown(*self._gains(before, after),
-                     contribution(self.campaign, self.bare, before.fit))
-
-    def _gains(self, before: Candidate, after: Candidate) -> list[Gain]:
-        return [self.gain(before, after, part) for part in (True, False)]
+        return shown(*gains, contribution(self.campaign, self.bare, before.fit))
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

@@ -56,13 +56,15 @@ def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float
     """Return what is left beyond noise and chance over what was taken away, both rms."""
     first, last = (campaign.ratios(entry.errors, held_out) for entry in (before, after))
     own, fitted = judged(campaign, after)
-    left = taken = 0.0
+    everything = left = taken = 0.0
     for name, ratio in own.ratios(fitted.errors, held_out).items():
+        rest = max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0)
         off = excess({name: first[name]}) - excess({name: last[name]})
         # Where an effect takes nothing away, what is left is not its own.
-        left += min(max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0), max(off, 0.0))
-        taken += off
-    return float(np.sqrt(left / max(taken, 1e-9)))
+        everything, left, taken = everything + rest, left + min(rest, max(off, 0.0)), taken + off
+    if taken <= 1e-9:
+        return inf if everything else 0.0
+    return float(np.sqrt(left / taken))
 
 
 def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:

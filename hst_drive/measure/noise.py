@@ -132,7 +132,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
                     rough.noise_std * math.sqrt(top))
 
 
-def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float) -> np.ndarray:
+def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float,
+            known: np.ndarray) -> np.ndarray:
     """
     Return how the variance of a rough load goes with the load's square, over its usual one.
 
@@ -144,11 +145,13 @@ def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float)
         s, and N.m: what is fast in the unexplained torque, and the load itself.
     noise : float
         White part of the first, N.m.
+    known : ndarray of bool, shape (n,)
+        Rows in which the torque was read and the drive turned.
 
     """
+    known = known & np.isfinite(rough) & np.isfinite(load)
     size = max(round(_SPAN / float(np.median(np.diff(time)))), _FEWEST)
-    power = _block_means(rough**2, size) - noise**2
-    level = _block_means(load**2, size)
+    power, level = (_block_means(values[known]**2, size) for values in (rough, load))
     quarters = np.array_split(np.argsort(level), 4)
     if min(map(len, quarters)) < 3:
         return np.ones(len(time))
@@ -157,9 +160,11 @@ def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float)
                        for values in (level, power))
     scale = max(float(squares.max()), 1e-30)
     alike, share = nnls(np.column_stack([np.ones(4), squares / scale]),
-                        np.maximum(powers, 0.0))[0]
+                        np.maximum(powers - noise**2, 0.0))[0]
     usual = float(np.median(alike + share * level / scale))
-    return (alike + share * load**2 / scale) / usual if usual > 0.0 else np.ones(len(time))
+    if not usual > 0.0:
+        return np.ones(len(time))
+    return np.nan_to_num((alike + share * load**2 / scale) / usual, nan=1.0)
 
 
 def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,

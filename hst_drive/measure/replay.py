@@ -72,7 +72,7 @@ class Replay:
 
     """
 
-    doubts: dict[str, np.ndarray] = {}      # see PartReplay
+    doubts: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
 
     def __init__(self, run: Run, drive: Drive):
         missing = [name for name in COMMANDS if name not in run]
@@ -212,13 +212,14 @@ class Replay:
         noise = min(self.readings.noise(name, self.run[name]),
                     self.readings.noise(name, rest), self._stated_noise(drive, name))
         shaft = self._behind(drive, rest)
-        self.roughness = shaft.rough if shaft else estimate_coloured(
-            self.run.time, rest - self.readings.slow(rest), noise)
+        fast = rest - self.readings.slow(rest)
+        self.roughness = shaft.rough if shaft else estimate_coloured(self.run.time, fast, noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
-        self.doubts = {name: self.roughness.std * np.sqrt(np.maximum(rougher(
-            self.run.time, rest - self.readings.slow(rest), self._load_model(drive),
-            self.noise[name]) - 1.0, 0.0))}
+        more = rougher(self.run.time, fast, self._load_model(drive), self.noise[name],
+                       self._turning & np.isfinite(self.run[name]))
+        usual = shaft.swings() if shaft else self.roughness.std
+        self.doubts = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}
         self.can_correct = True
 
     def _refine_noise(self, drive: Drive) -> None:

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """How models are judged block by block, on made-up blocks whose answer is known."""
-from hst_drive.identify.judge import gain, shown, unharmed
+from hst_drive.identify.judge import gain, matters, shown, unharmed
 import numpy as np
 import pytest
 from scipy.stats import ttest_1samp
@@ -92,3 +92,10 @@ def test_what_one_half_alone_shows_is_not_worth_a_name():
     there, not_there = (gain(*moves(60, slope, 3, 12)) for slope in (1.0, 0.0))
     assert shown(there, there, {'a': 0.0})
     assert not shown(there, not_there, {'a': 0.0}) and not shown(not_there, there, {'a': 0.0})
+
+
+@pytest.mark.parametrize('share, worth', [(0.09, False), (0.11, True)])
+def test_a_tenth_of_one_signals_error_matters(share, worth):
+    before = {'motor_speed': np.full(10, 2.0), 'load_torque': np.ones(10)}
+    after = {**before, 'motor_speed': (1.0 - share) * before['motor_speed']}
+    assert matters(gain(before, before), gain(before, after)) is worth

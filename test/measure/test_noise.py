@@ -102,16 +102,19 @@ def dense():
 
 @pytest.mark.parametrize('goes_with_load', [True, False])
 def test_rock_is_as_rough_as_its_load_or_always_alike(goes_with_load):
-    """Ten layers of 20 to 240 N.m, 1 % of it or 1 N.m rough in 0.5 N.m of noise."""
+    """Ten layers of 20 to 240 N.m, 1 % of it or 1 N.m rough in 0.5 N.m of noise; a fifth rests."""
     load = 20.0 + 220.0 * np.random.default_rng(3).permutation(10)[(TIME / 6).astype(int)] / 9
+    turns = TIME % 5.0 > 1.0
     found = []
     for seed in range(12):
         random = np.random.default_rng(seed)
         rough = coloured(random, len(TIME), 0.01, 1.0, 0.1) * (
             0.01 * load if goes_with_load else 1.0)
-        found.append(rougher(TIME, rough + 0.5 * random.standard_normal(len(TIME)), load, 0.5))
+        rough = np.where(turns, rough + 0.5 * random.standard_normal(len(TIME)), 0.0)
+        found.append(rougher(TIME, rough, np.where(turns, load, np.nan), 0.5, turns))
+    assert np.isfinite(found).all()
     true = load**2 / np.median(load**2) if goes_with_load else np.ones(len(TIME))
-    high, low = load > 150.0, load < 60.0
+    high, low = turns & (load > 150.0), turns & (load < 60.0)
     for part in (high, low) if goes_with_load else (high,):
         assert np.mean(found, axis=0)[part].mean() == pytest.approx(
             true[part].mean(), rel=0.25, abs=0.1)
