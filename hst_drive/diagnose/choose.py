@@ -38,19 +38,27 @@ def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
 
     It is likelier, takes the unit off one and leaves nothing; None if there is none.
     """
-    strained = limited(search.campaign, best.fit)
-    if best.names or not strained or not search.candidates:
+    if best.names or not limited(search.campaign, best.fit) or not search.candidates:
         return None
     (top, *_), _ = search.likeliest(best, search.singles())
     top = search.refine(top)
-    stands = limited(search.campaign, top.fit) < strained and not search.unexplained(top) and (
+    stands = _relieves(search, top) and not search.unexplained(top) and (
         search.odds(best, [top])[0] > log(DECIDED) and standing(search, top).names == top.names)
     return top if stands else None
 
 
-def likeliest(search: Search, best: Candidate,
-              rivals: Mapping[str, Sequence[str]]) -> Candidate:
-    """Return the likeliest of ``best`` and the sets with a rival in the place of an effect."""
+def _relieves(search: Search, found: Candidate) -> bool:
+    """Say whether a set takes the unit off one of the limits at which it is without."""
+    return limited(search.campaign, found.fit) < limited(search.campaign, search.base)
+
+
+def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
+              of_unit: bool = False) -> Candidate:
+    """
+    Return the likeliest of ``best`` and the sets with a rival in the place of an effect.
+
+    ``of_unit``: of those that take the unit off a limit, as ``best`` does.
+    """
     wanted = _exchanged(best, rivals)
     if not wanted:
         return best
@@ -63,7 +71,9 @@ def likeliest(search: Search, best: Candidate,
     if first is best:
         return best
     found = standing(search, first)
-    return found if found.names in wanted and not search.unexplained(found) else best
+    stands = found.names in wanted and not search.unexplained(found) and (
+        not of_unit or _relieves(search, found))
+    return found if stands else best
 
 
 def rivals_of(search: Search, first: Candidate, best: Candidate,

@@ -21,7 +21,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
 from hst_drive.identify.conditions import outside
-from hst_drive.identify.fit import at_limit, Fit, fit, limited as limited_by, settled
+from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
 from hst_drive.identify.observable import visibility
@@ -102,9 +102,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
-    first = best if left or doubt else likeliest(search, best, rivals)
-    if or_none and not limited_by(campaign, first.fit) < limited_by(campaign, search.base):
-        first = best    # it took the unit off a limit
+    first = best if left or doubt else likeliest(search, best, rivals, or_none)
     if first is not best:
         rivals = rivals_of(search, first, best, rivals)
         best, order = first, _order(search, first)

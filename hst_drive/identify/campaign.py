@@ -125,9 +125,14 @@ class Campaign:
                 for replay, usable in zip(self.replays, self.usable)]
 
     @property
+    def own_past(self) -> bool:
+        """Whether the machine's own numbers were learnt on other logs (``Rig.fingerprint``)."""
+        return self.rig.fingerprint is not None
+
+    @property
     def odds_asked(self) -> float:
         """Log odds from which on a first effect is worth a name."""
-        return STRONG if self.rig.fingerprint else CREDIBLE
+        return STRONG if self.own_past else CREDIBLE
 
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""

@@ -141,7 +141,7 @@ def parts(campaign: Campaign) -> tuple[bool | None, ...]:
     A machine's own numbers were learnt on other logs: then no row of these was fitted, and the
     more rows are judged the less is left to chance.
     """
-    return (None,) if campaign.rig.fingerprint else (False, True)
+    return (None,) if campaign.own_past else (False, True)
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],

@@ -69,7 +69,6 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 
     """
     start, shows = campaign.training(base.errors), _Shows(campaign, base)
-    own = campaign.rig.fingerprint is not None
     found = []
     for name in names:
         effect = catalogue()[name]
@@ -83,7 +82,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])
         asked = campaign.odds_asked + (0.0 if name in campaign.adopted else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
-        smallest = abs(size.typical) * _crossing(lambda place: _named(*odds(place), asked, own))
+        smallest = abs(size.typical) * _crossing(lambda place: _named(
+            *odds(place), asked, campaign.own_past))
         reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
         found.append(Visibility(name, smallest, reason, not reason or odds(

@@ -174,7 +174,7 @@ class Search:
         asked = CREDIBLE if before.names else self.campaign.odds_asked
         # A make is off its formulas, by a second short lag say; a machine's own past is not.
         return odds > -np.inf and self._shown(before, after, gains) or odds > asked and (
-            self.campaign.rig.fingerprint is not None or matters(*gains))
+            self.campaign.own_past or matters(*gains))
 
     def _shown(self, before: Candidate, after: Candidate, gains: Sequence[Gain]) -> bool:
         """Say whether held-out and fitted errors both hold what the second candidate moves."""

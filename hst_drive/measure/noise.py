@@ -114,7 +114,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     lags = lags[lags < len(values) // 8]
     if len(lags) < 3:
         return Coloured(0.0, 0.3, noise)
-    growth, size = [], max(round(_SPAN / step), _FEWEST)
+    growth, size = [], _block_size(step)
     for lag in lags:
         squares = (values[lag:] - values[:-lag])**2
         squares = squares[np.isfinite(squares)]
@@ -150,12 +150,12 @@ def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float,
 
     """
     known = known & np.isfinite(rough) & np.isfinite(load)
-    size = max(round(_SPAN / float(np.median(np.diff(time)))), _FEWEST)
-    power, level = (_block_means(values[known]**2, size) for values in (rough, load))
-    quarters = np.array_split(np.argsort(level), 4)
-    if min(map(len, quarters)) < 3:
+    size = _block_size(float(np.median(np.diff(time))))
+    if known.sum() < 12 * size:
         return np.ones(len(time))
-    # Medians: what a model misses now and then is no roughness.
+    power, level = (_block_means(values[known]**2, size) for values in (rough, load))
+    # Medians of quarters: what a model misses now and then is no roughness.
+    quarters = np.array_split(np.argsort(level), 4)
     squares, powers = (np.array([np.median(values[part]) for part in quarters])
                        for values in (level, power))
     scale = max(float(squares.max()), 1e-30)
@@ -185,6 +185,11 @@ def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,
             best = Coloured(math.sqrt(variance), constant, math.sqrt(white))
             error = misfit
     return best, error
+
+
+def _block_size(step: float) -> int:
+    """Return how many samples a block of increments has, which come each ``step`` (s)."""
+    return max(round(_SPAN / step), _FEWEST)
 
 
 def _block_means(values: np.ndarray, size: int) -> np.ndarray:

@@ -199,7 +199,8 @@ class Replay:
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
         self._turning = np.abs(self._speed) > STANDSTILL * drive.rig.full_speed
-        rest = self._unexplained(self._load_model(drive))
+        load = self._load_model(drive)
+        rest = self._unexplained(load)
         if 'motor_speed' in self.run:
             # A late reading of the speed would pass for a rough load.
             speed = self._simulate(drive, self.readings.slow(rest))['motor_speed']
@@ -216,7 +217,7 @@ class Replay:
         self.roughness = shaft.rough if shaft else estimate_coloured(self.run.time, fast, noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
-        more = rougher(self.run.time, fast, self._load_model(drive), self.noise[name],
+        more = rougher(self.run.time, fast, load, self.noise[name],
                        self._turning & np.isfinite(self.run[name]))
         usual = shaft.swings() if shaft else self.roughness.std
         self.doubts = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}

@@ -6,7 +6,6 @@ from test.diagnose.unseen import unseen
 from bench.campaigns import as_runs
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Search
-from hst_drive.identify.weigh import log_odds
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -33,5 +32,4 @@ def test_rough_rock_makes_no_flexible_shaft_likelier(tmp_path):
     search = Search(Campaign(*unseen(8230, tmp_path)), ('shaft_compliance', 'speed_sensor_lag'))
     lag = search.refine(search.single('speed_sensor_lag'))
     both = search.refine(search.extend(lag)[0])
-    odds = log_odds(search, [lag, both])[1]
-    assert -np.inf < odds < 0.0     # 22 over the common floors
+    assert -np.inf < search.odds(lag, [both])[0] < 0.0     # 22 over the common floors
