@@ -9,7 +9,7 @@ block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, TYPE_CHECKING
+from typing import Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
@@ -101,9 +101,16 @@ def unharmed(found: Gain) -> bool:
                for name, value in found.sigma.items())
 
 
-def matters(*gains: Gain) -> bool:
-    """Say whether the better model takes a tenth of the squared error of any signal away."""
-    return any(share >= PRACTICAL for entry in gains for share in entry.share.values())
+def matters(gains: Sequence[Gain], done: Mapping[str, float]) -> bool:
+    """
+    Say whether the better model takes a tenth of the squared error of any signal away.
+
+    By less a make is off its formulas. And more than the effects that are in already may be off
+    theirs, of what they do there, rms in floors (``done``).
+    """
+    return any(share >= PRACTICAL
+               and entry.amount[name] >= (FORMULA_ERROR * done.get(name, 0.0))**2
+               for entry in gains for name, share in entry.share.items())
 
 
 def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:

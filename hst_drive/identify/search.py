@@ -171,16 +171,13 @@ class Search:
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
         gains = [self.gain(before, after, part) for part in (True, False)]
+        done = contribution(self.campaign, self.bare, before.fit)
         asked = CREDIBLE if before.names else self.campaign.odds_asked
-        # A make is off its formulas, by a second short lag say; a machine's own past is not.
-        return odds > -np.inf and self._shown(before, after, gains) or odds > asked and (
-            self.campaign.own_past or matters(*gains))
-
-    def _shown(self, before: Candidate, after: Candidate, gains: Sequence[Gain]) -> bool:
-        """Say whether held-out and fitted errors both hold what the second candidate moves."""
-        if flexible({*after.names} - {*before.names}):
-            return False    # its load follows rough rock better whether it is there or not
-        return shown(*gains, contribution(self.campaign, self.bare, before.fit))
+        if odds > asked and (self.campaign.own_past or matters(gains, done)):
+            return True
+        # The load of a flexible shaft follows rough rock better whether it is there or not.
+        return odds > -np.inf and not flexible({*after.names} - {*before.names}) and shown(
+            *gains, done)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

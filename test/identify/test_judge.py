@@ -98,4 +98,11 @@ def test_what_one_half_alone_shows_is_not_worth_a_name():
 def test_a_tenth_of_one_signals_error_matters(share, worth):
     before = {'motor_speed': np.full(10, 2.0), 'load_torque': np.ones(10)}
     after = {**before, 'motor_speed': (1.0 - share) * before['motor_speed']}
-    assert matters(gain(before, before), gain(before, after)) is worth
+    assert matters([gain(before, before), gain(before, after)], {}) is worth
+
+
+@pytest.mark.parametrize('done, worth', [(20.0, False), (8.0, True)])
+def test_what_another_formula_of_what_is_there_may_do_does_not_matter(done, worth):
+    """The squared error falls by one floor; formulas may be off by two floors, or by 0.8."""
+    before, after = {'motor_torque': np.full(10, 2.0)}, {'motor_torque': np.full(10, 1.0)}
+    assert matters([gain(before, after)], {'motor_torque': done}) is worth
