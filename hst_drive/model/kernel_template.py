@@ -431,15 +431,17 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         speed_reading_lag = speed_reading_series_lag = 0.0
         # slot speed_reading_lag
         # slot speed_reading_series_lag
+        nearer = 1.0
         if speed_reading_lag <= 0.0:
             reading = motor_speed
         else:
-            # A shorter lag than this cannot be seen, and would be stiff.
-            speed_reading_lag = max(speed_reading_lag, 0.5 * max_step)
+            # A shorter lag would be stiff: of a longer one a part is as late.
+            nearer = min(speed_reading_lag / (0.5 * max_step), 1.0)
+            speed_reading_lag /= nearer
             shortest_lag = min(shortest_lag, speed_reading_lag)
+        earlier_reading = motor_speed + nearer * (reading - motor_speed)
         if speed_reading_series_lag <= 0.0:
-            late_reading = reading
-        earlier_reading = reading
+            late_reading = earlier_reading
         target = p[P_displacement_scale] * along(
             pump_command, p[P_displacement_between_points], T_DISPLACEMENT, T_DISPLACEMENT_BULGE,
             cells, layout)
@@ -647,8 +649,10 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             reading = motor_speed
         if speed_reading_series_lag > 0.0 and interval > 0.0:
             # The second lag of the reading: exact for a first one that moves on a straight line.
-            behind = (reading - earlier_reading) / interval * speed_reading_series_lag
-            late_reading = reading - behind + (late_reading - earlier_reading + behind) * math.exp(
+            first_reading = motor_speed + nearer * (reading - motor_speed)
+            behind = (first_reading - earlier_reading) / interval * speed_reading_series_lag
+            late_reading = first_reading - behind + (
+                late_reading - earlier_reading + behind) * math.exp(
                 -interval / speed_reading_series_lag)
         if not (abs(motor_speed) < 1e4 and abs(pump_pressure) < 1e11):
             for i in range(k + 1, n):

@@ -15,6 +15,7 @@ from hst_drive.rig.yaml_file import read_yaml
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 
 RIG = default_rig()
 THINNER = viscosity(343.15, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
@@ -347,6 +348,18 @@ def test_filtered_speed(series):
         filtered.append(behind)
     error = np.interp(time[50:-1], fine, filtered) - found['motor_speed'][50:-1]
     assert np.abs(error).max() < 0.01 * np.ptp(speed)
+
+
+@pytest.mark.parametrize('lag', [2e-4, 2e-3])
+@pytest.mark.parametrize('series', [0.0, 0.5])
+def test_a_filter_quicker_than_a_step_reads_as_late_as_it_is(lag, series):
+    """Of a speed that rises evenly it shows what was there a lag before, however long the steps."""
+    time, inputs = excited(300)
+    late, speed = (Drive(RIG, effects, max_step=0.01).simulate(time, inputs)['motor_speed']
+                   for effects in (
+                       {'speed_sensor_lag': {'time_constant': lag, 'series': series}}, {}))
+    rise = CubicSpline(time, speed)(time[50:-1], 1)
+    assert (speed - late)[50:-1] @ rise / (rise @ rise) == pytest.approx(lag, rel=0.15)
 
 
 def test_ripple_has_the_piston_frequency():
