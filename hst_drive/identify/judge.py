@@ -23,6 +23,7 @@ AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 SIGNIFICANT = 3.0       # standard errors
+_MOST = 2 / 3           # of the squared error: no other form of what is in already takes that away
 _HELD_OUT = 2.0         # on held-out data, where fitted data have those
 _FORM = 0.2             # of what is in already: below, it may be another form of that
 
@@ -105,10 +106,10 @@ def matters(gains: Sequence[Gain], done: Mapping[str, float]) -> bool:
     """
     Say whether the better model takes a tenth of the squared error of any signal away.
 
-    By less a make is off its formulas. And more than the effects that are in already may be off
-    theirs, of what they do there, rms in floors (``done``).
+    By less a make is off its formulas. And it is most of what was left, or more than the effects
+    that are in already may be off theirs, of what they do there, rms in floors (``done``).
     """
-    return any(share >= PRACTICAL
+    return any(share >= _MOST or share >= PRACTICAL
                and entry.amount[name] >= (FORMULA_ERROR * done.get(name, 0.0))**2
                for entry in gains for name, share in entry.share.items())
 

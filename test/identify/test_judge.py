@@ -101,8 +101,9 @@ def test_a_tenth_of_one_signals_error_matters(share, worth):
     assert matters([gain(before, before), gain(before, after)], {}) is worth
 
 
-@pytest.mark.parametrize('done, worth', [(20.0, False), (8.0, True)])
-def test_what_another_formula_of_what_is_there_may_do_does_not_matter(done, worth):
-    """The squared error falls by one floor; formulas may be off by two floors, or by 0.8."""
-    before, after = {'motor_torque': np.full(10, 2.0)}, {'motor_torque': np.full(10, 1.0)}
+@pytest.mark.parametrize('done, left, worth', [
+    (20.0, 1.0, False), (8.0, 1.0, True), (20.0, 0.4, True)])
+def test_what_another_formula_of_what_is_there_may_do_does_not_matter(done, left, worth):
+    """Formulas may be off by two floors, or by 0.8, of which the squared error falls by one."""
+    before, after = {'motor_torque': np.full(10, 1.0 + left)}, {'motor_torque': np.full(10, left)}
     assert matters([gain(before, after)], {'motor_torque': done}) is worth
