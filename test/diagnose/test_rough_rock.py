@@ -4,7 +4,9 @@
 from test.diagnose.unseen import unseen
 
 from bench.campaigns import as_runs
+from hst_drive.identify import weigh
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.search import Search
 import numpy as np
 import pytest
@@ -27,9 +29,12 @@ def test_smooth_rock_is_no_missing_physics(monkeypatch, seed):
 
 
 @pytest.mark.needs_numba
-def test_rough_rock_makes_no_flexible_shaft_likelier(tmp_path):
+def test_rough_rock_makes_no_flexible_shaft_likelier(tmp_path, monkeypatch):
     """Its replay follows the rock by the measured speed; this machine is healthy."""
     search = Search(Campaign(*unseen(8230, tmp_path)), ('shaft_compliance', 'speed_sensor_lag'))
     lag = search.refine(search.single('speed_sensor_lag'))
     both = search.refine(search.extend(lag)[0])
-    assert -np.inf < search.odds(lag, [both])[0] < 0.0     # 22 over the common floors
+    assert not search.unexplained(lag) and not search.asked(lag, both)
+    assert weigh.log_odds(search, [lag, both])[1] < CREDIBLE
+    monkeypatch.setattr(weigh, '_over_own', lambda _, fit: fit.errors)
+    assert weigh.log_odds(search, [lag, both])[1] > CREDIBLE, 'over the common floors'
