@@ -11,7 +11,7 @@ where the evidence is for the free one the name is wrong (``better``).
 """
 from __future__ import annotations
 
-from typing import Callable, Container, Iterator, NamedTuple
+from typing import Callable, Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
@@ -79,10 +79,8 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
         return found
     left = search.unexplained(best)
     for name in best.names:
-        tried = [*_formula(search, best, name), *_actuator(search, best, name)]
-        search.unlisted += [(search.campaign, trial.fit.light()) for trial in tried]
-        trial = next((entry for entry in sorted(tried, key=lambda item: search.score(item.fit))
-                      if better(search, best, entry.fit, search.campaign, left)), None)
+        trial = _best(search, best, [*_formula(search, best, name),
+                                     *_actuator(search, best, name)], left)
         if trial:
             found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place '
@@ -125,12 +123,17 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
     """
     if search.campaign.by_balance:
         return None
-    for trial in _beside(search, best, left):
-        search.unlisted.append((search.campaign, trial.fit.light()))
-        if better(search, best, trial.fit, search.campaign, left):
-            return Unlisted(f'{trial.what} {how_much_better(search, best, trial.fit)}',
-                            trial.unknown)
-    return None
+    trial = _best(search, best, [*_beside(search, best, left)], left)
+    return None if trial is None else Unlisted(
+        f'{trial.what} {how_much_better(search, best, trial.fit)}', trial.unknown)
+
+
+def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Container[str]
+          ) -> Trial | None:
+    """Return the best of trials that are better answers than a set; all are remembered."""
+    search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
+    return next((trial for trial in sorted(trials, key=lambda item: search.score(item.fit))
+                 if better(search, best, trial.fit, search.campaign, left)), None)
 
 
 def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:

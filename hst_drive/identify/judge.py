@@ -102,16 +102,18 @@ def unharmed(found: Gain) -> bool:
                for name, value in found.sigma.items())
 
 
-def matters(gains: Sequence[Gain], done: Mapping[str, float]) -> bool:
+def matters(before: Mapping[str, float], after: Mapping[str, float],
+            done: Mapping[str, float]) -> bool:
     """
-    Say whether the better model takes a tenth of the squared error of any signal away.
+    Say whether a model takes a tenth of a signal's squared error, from its noise ratios.
 
     By less a make is off its formulas. And it is most of what was left, or more than the effects
     that are in already may be off theirs, of what they do there, rms in floors (``done``).
     """
     return any(share >= _MOST or share >= PRACTICAL
-               and entry.amount[name] >= (FORMULA_ERROR * done.get(name, 0.0))**2
-               for entry in gains for name, share in entry.share.items())
+               and share * first**2 >= (FORMULA_ERROR * done.get(name, 0.0))**2
+               for name, first in before.items() if first > 0.0
+               for share in [1.0 - (after[name] / first)**2])
 
 
 def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:

@@ -170,14 +170,15 @@ class Search:
         if self.unexplained(before):
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
-        gains = [self.gain(before, after, part) for part in (True, False)]
         done = contribution(self.campaign, self.bare, before.fit)
         asked = CREDIBLE if before.names else self.campaign.odds_asked
-        if odds > asked and (self.campaign.own_past or matters(gains, done)):
+        if odds > asked and (self.campaign.own_past or any(
+                matters(*(self.campaign.ratios(entry.fit.errors, part)
+                          for entry in (before, after)), done) for part in (True, False))):
             return True
         # The load of a flexible shaft follows rough rock better whether it is there or not.
         return odds > -np.inf and not flexible({*after.names} - {*before.names}) and shown(
-            *gains, done)
+            *(self.gain(before, after, part) for part in (True, False)), done)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

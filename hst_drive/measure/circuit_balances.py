@@ -144,8 +144,11 @@ def _by_parts(balance: Balance, model: CircuitModel, known: Known, channels: Kno
 def _reading(model: CircuitModel, channels: Known, signal: str, value: Any,
              behind: np.ndarray | float) -> Any:
     """Return what effects of its sensor add to a signal."""
-    if signal == 'motor_speed':
-        return -behind
+    return -behind if signal == 'motor_speed' else misread(model, channels, signal, value)
+
+
+def misread(model: CircuitModel, channels: Known, signal: str, value: Any) -> Any:
+    """Return what effects of its sensor, but a lag, add to a signal of this value."""
     slot, reads = _READINGS.get(signal, ('', ''))
     if not any(place == slot for name in model.effects
                for place, _ in catalogue(everything=True)[name].terms):

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Iterator
 
-from hst_drive.channels import PRESSURES, TORQUES
+from hst_drive.channels import LINES, PRESSURES, TORQUES
 from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
@@ -23,6 +23,7 @@ from scipy.optimize import lsq_linear
 
 _SIGNED = ('motor_speed', *TORQUES, 'motor_inlet_flow', 'pump_speed', 'pump_displacement',
            'pump_torque', 'pump_power')
+_COMMANDS = ('pump_command', 'valve_command')
 _SPEED, _OUTLET = _SIGNED[0], 'motor_outlet_pressure'
 _LOSSES = {'hydromotor torque': -1.0, 'mass': 1.0}  # with what sign friction enters a balance
 _SLOWER = 0.02      # s: signs show in what is slow
@@ -45,26 +46,26 @@ def swapped(rig: Rig, run: Run) -> str:
     if least > _MENDED * before or [*left] == [_SPEED]:
         return ''
     alike = [name for name, error in left.items() if error < _ALIKE * least]
+    signs = [name for name in alike if name in run]
+    exchanged = [name for name in alike if name not in run]
     if alike == [_SPEED] and not _never_drives(run) and _left(
             next(_turned(run))[1], model, True) > _MENDED * _left(run, model, True):
         return ''       # a torque or a pressure that is a little off does that, too
-    if alike[0] in PRESSURES and _OUTLET in run:
-        return f'{alike[0]} and {_OUTLET} seem to be exchanged; exchange them in the channel map'
-    return (f'{" or ".join(alike)} seems to have the wrong sign; add scale: -1 to it in the '
-            'channel map')
+    if not signs:
+        return f'{exchanged[0]} seem to be exchanged; exchange them in the channel map'
+    return (f'{" or ".join(signs)} seems to have the wrong sign; add scale: -1 to it in the '
+            f'channel map{"".join(f"; or {pair} are exchanged" for pair in exchanged)}')
 
 
 def _turned(run: Run) -> Iterator[tuple[str, Run]]:
-    """Yield the recording with one channel turned round, or both ports exchanged."""
-    for name in _SIGNED:
+    """Yield the recording with one channel turned round, or two exchanged, by what was done."""
+    for name in (*_SIGNED, *_COMMANDS, *(PRESSURES if _OUTLET not in run else ())):
         if name in run:
             yield name, replace(run, channels={**run.channels, name: -run[name]})
-    for name in PRESSURES:
-        if name in run:
-            other = run.channels.get(_OUTLET, -run[name])
-            yield name, replace(run, channels={**run.channels, name: other, **(
-                {_OUTLET: run[name]} if _OUTLET in run else {})})
-            return
+    for one, other in (LINES, *((name, _OUTLET) for name in PRESSURES)):
+        if one in run and other in run:
+            yield f'{one} and {other}', replace(run, channels={
+                **run.channels, one: run[other], other: run[one]})
 
 
 def _never_drives(run: Run) -> bool:

@@ -6,7 +6,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 import math
 
+from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
+from hst_drive.measure.circuit_balances import misread
 from hst_drive.model import Drive
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.compose import CONSTANTS, STATES
@@ -60,9 +62,9 @@ class ClosedDrive:
     def __init__(self, rig: Rig, effects: Effects):
         self._model = model = CircuitModel(rig, effects)
         for name in effects or {}:
-            if not model.enters(name):
-                raise InputError(f"effect '{name}': does not enter 'circuit: {rig.circuit}'; "
-                                 'leave it out')
+            if not model.enters(name) or catalogue()[name].slot == 'speed_reading_lag':
+                why = 'does not enter' if not model.enters(name) else 'cannot be played with'
+                raise InputError(f"effect '{name}': {why} 'circuit: {rig.circuit}'; leave it out")
         self._states = len(model.circuit.states)
         self._turns = CONSTANTS['SIGN_WIDTH'] / model.parameter('sign_scale')    # rad/s
 
@@ -79,7 +81,9 @@ class ClosedDrive:
         found = self._model.run(times, inputs, {}, state[:self._states],
                                 memory=state[self._states:])
         taken = inputs['opposing_torque'] * np.tanh(found['motor_speed'] / self._turns)
-        return {**found, 'motor_torque': taken}
+        found = {**found, 'motor_torque': taken}
+        return {name: values + misread(self._model, {**inputs, **found}, name, values)
+                for name, values in found.items()}
 
 
 _BY_CIRCUIT = {'open': OpenDrive, 'closed': ClosedDrive}

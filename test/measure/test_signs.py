@@ -3,6 +3,7 @@
 """A swapped sign of one channel is told as such, in one line; sound signs are not."""
 from dataclasses import replace
 from pathlib import Path
+from test.measure.test_circuit import campaign
 
 from hst_drive.bag import read_log
 from hst_drive.errors import InputError
@@ -110,3 +111,23 @@ def test_a_real_motor():
                                        ports[1]: run[ports[0]]})
     told, = unit_doubts(rig, exchanged)
     assert told.startswith('motor_inlet_pressure and motor_outlet_pressure seem to be exchanged')
+
+
+LINES = 'line_a_pressure and line_b_pressure'
+
+
+@pytest.mark.parametrize('circuit, seed', [('closed', 9660), ('valve', 9600)])
+def test_of_other_circuits_commands_and_lines_are_told_as_well(circuit, seed, tmp_path):
+    rig, logs, _ = campaign(tmp_path, '--circuit', circuit, '--kind', 'none', '--seed', str(seed))
+    run = next(iter(logs.values()))
+    assert unit_doubts(rig, run) == []
+    command = 'pump_command' if circuit == 'closed' else 'valve_command'
+    assert command in run
+    for name in ('motor_speed', 'motor_torque', command):
+        if name in run:
+            told, = unit_doubts(rig, spoilt(run, name))
+            assert told.startswith(f'{name} seems to have the {WRONG}')
+    one, other = LINES.split(' and ')
+    told, = unit_doubts(rig, replace(run, channels={
+        **run.channels, one: run[other], other: run[one]}))
+    assert told.startswith(f'{LINES} seem to be exchanged')
