@@ -17,8 +17,8 @@ from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.kept_replay import KeptReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import CHANNELS, Run
-from hst_drive.measure.useful import (missing_rows, refuse_starved, refuse_still,
-                                      refuse_unjudged)
+from hst_drive.measure.useful import (
+    missing_rows, refuse_other_circuit, refuse_starved, refuse_still, refuse_unjudged)
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
 from hst_drive.model.circuit_model import part_model
@@ -86,7 +86,16 @@ class Comparison(NamedTuple):
 
 
 def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
-    """Return the model that the logs can be compared with: the whole drive or a part of it."""
+    """
+    Return the model that the logs can be compared with: the whole drive or a part of it.
+
+    Raises
+    ------
+    InputError
+        If a log is of another circuit.
+
+    """
+    refuse_other_circuit(rig, runs)
     return part_model(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
 
 

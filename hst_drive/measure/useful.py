@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping, NoReturn, Sequence
 
+from hst_drive.channels import LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part, is_table
 from hst_drive.measure.noise import steady_noise
@@ -14,6 +15,7 @@ from hst_drive.rig.rig import NO_SIGN, STANDSTILL
 from hst_drive.units import from_si
 import numpy as np
 
+_OF_OTHERS = (*LINES, 'charge_pressure', 'valve_command')
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 _STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
@@ -77,6 +79,24 @@ def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
                      'of its usual speed); record it turning')
 
 
+def refuse_other_circuit(rig: Rig, runs: Sequence[Run]) -> None:
+    """
+    Check that recordings for a whole drive with an open circuit are not of another circuit.
+
+    Raises
+    ------
+    InputError
+        If one has a channel of other circuits, and no pressure of this one.
+
+    """
+    for run in runs:
+        other = next((name for name in _OF_OTHERS if name in run), '')
+        if other and rig.whole and not any(name in run for name in PRESSURES):
+            raise InputError(f'{run.source}: has the channel {other}, which an open circuit has '
+                             f"not; {rig.source or rig.name} is of 'circuit: open': give the rig "
+                             'file of this machine (--rig), or leave the column out')
+
+
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     """
     Check that recordings can show what a drive lacks.
@@ -84,10 +104,12 @@ def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     Raises
     ------
     InputError
-        If no reading of a recording changes (``refuse_still``), if most of a command is missing,
-        if rows are too far apart for a drive's motion, or if the drive turns in no recording.
+        If a recording is of another circuit, if none of its readings changes (``refuse_still``),
+        if most of a command is missing, if rows are too far apart for a drive's motion, or if the
+        drive turns in no recording.
 
     """
+    refuse_other_circuit(rig, runs)
     for run in runs:
         refuse_still(run)
         refuse_starved(run.source, missing_rows(run), len(run))

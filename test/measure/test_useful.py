@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from hst_drive.errors import InputError
-from hst_drive.measure.compare import compare
+from hst_drive.measure.compare import compare, model_of
 from hst_drive.measure.useful import refuse_useless
 from hst_drive.model import Drive
 from hst_drive.report.comparison import remarks
@@ -75,3 +75,17 @@ def test_rows_of_a_part_may_be_as_far_apart_as_they_like(drilling):
     bench.channels['motor_torque'] = bench['load_torque'] / 20.0
     bench.channels.setdefault('motor_inlet_pressure', drilling['pump_outlet_pressure'][::100])
     refuse_useless(RIG, [bench])
+
+
+def test_a_record_of_another_circuit_is_not_judged_by_what_the_test_rig_shares_with_it(drilling):
+    closed = replace(drilling, channels={
+        name: drilling[name] for name in ('pump_command', 'motor_speed', 'load_torque')} | {
+            'line_a_pressure': drilling['pump_outlet_pressure']})
+    told = refused(drilling, closed)
+    assert 'drilling.csv: has the channel line_a_pressure' in told and '--rig' in told
+    with pytest.raises(InputError, match="is of 'circuit: open'"):
+        model_of(RIG, [closed])
+    # An open circuit with more sensors than it needs.
+    more = replace(drilling, channels={**drilling.channels, 'charge_pressure': np.arange(
+        len(drilling), dtype=float)})
+    refuse_useless(RIG, [more])
