@@ -30,7 +30,7 @@ _STANDS, _ROWS = 1.0, 20    # s and readings: shorter repetitions are chance
 _REPEATS = 20.0         # times the usual length of a repetition
 _USUAL = 95.0           # percentile of the lengths of repetitions that is usual
 _COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longer is coarse
-_MOST = 0.5             # of a recording: a sensor that stands for longer is made so
+_MOST = 0.9             # of a recording: a sensor that stands for longer is made so
 _JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
 _TOLD = 3
 _NULLS = 0.0, 273.15, -101325.0     # what 0 of a logger is in SI: also of degC, and absolute Pa
@@ -66,7 +66,10 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
             notes.append(f'{name}: {len(faults.spikes)} of {len(time)} samples are spikes that '
                          f'no other channel follows ({_at(time[faults.spikes])}); left out')
         for first, end in faults.frozen:
-            values[first:end] = np.nan
+            stands = channels[name][first]
+            # What stood at an end of its range is not known in any row there.
+            ended = stands in (np.nanmin(channels[name]), np.nanmax(channels[name]))
+            values[channels[name] == stands if ended else slice(first, end)] = np.nan
         if faults.frozen:
             spans = ', '.join(f'{time[first]:.4g} to {time[end - 1]:.4g} s'
                               for first, end in faults.frozen[:_TOLD])

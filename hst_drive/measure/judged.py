@@ -4,10 +4,10 @@
 Which seconds of a recording a model of the whole drive is judged on.
 
 Left out is what hangs on something that no channel shows: the moment at which the drive breaks
-away from standstill, a motion that began before the recording did, and oil that comes and goes
-where the inlet cavitates. All are told from the measurement alone, never from the error, and
-together they may take ``MOST`` of a recording: what fills more of it is how the drive runs (or
-what its pressure sensor says), and an error there is an error.
+away from standstill, a motion that began before the recording did, oil that comes and goes where
+the inlet cavitates, and a load while the speed was not read. All are told from the measurement
+alone, never from the error, and together they may take ``MOST`` of a recording: what fills more of
+it is how the drive runs (or what its pressure sensor says), and an error there is an error.
 """
 from __future__ import annotations
 
@@ -62,7 +62,8 @@ def judged(run: Run) -> Judged:
     rest = _starting(run, time)
     for why, part in (('start from rest', rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
-                      ('cavitation', _cavitating(run, time))):
+                      ('cavitation', _cavitating(run, time)),
+                      ('hydromotor speed missing', _without_speed(run, time))):
         if np.mean(out | part) > MOST:
             kept[why] = float(np.mean(part))
         elif part.any():
@@ -102,6 +103,16 @@ def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
         return np.zeros(len(time), dtype=bool)
     last = np.maximum.accumulate(np.where(pressure < _CAVITATING, np.arange(len(time)), -1))
     return (last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)
+
+
+def _without_speed(run: Run, time: np.ndarray) -> np.ndarray:
+    """Tell where the speed is missing for long: the load goes with it."""
+    out = np.zeros(len(time), dtype=bool)
+    if 'motor_speed' in run:
+        known = np.concatenate([[0.0], time[np.isfinite(run['motor_speed'])], time[-1:]])
+        for place in np.flatnonzero(np.diff(known) > _SOON):
+            out |= (time >= known[place]) & (time < known[place + 1] + _AFTER)
+    return out
 
 
 def _spans(time: np.ndarray, out: np.ndarray, reasons: dict[str, np.ndarray]) -> tuple[Span, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter, savgol_filter
 
-_LOOKED_AT, _COARSE = 20_000, 12     # values, and how many a coarse reading takes
+_LOOKED_AT, _AGAIN = 20_000, 0.1     # values, and what share of them differ in a coarse reading
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
 _LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
@@ -98,9 +98,10 @@ class Readings:
 
 
 def _seen_step(values: np.ndarray) -> float:
-    """Return the steps of a reading that takes few values; 0 of one that takes many."""
-    distinct = np.unique(values[np.isfinite(values)][:_LOOKED_AT])
-    return float(np.diff(distinct).min()) if 1 < len(distinct) <= _COARSE else 0.0
+    """Return the steps of a reading that takes the same values again and again; else 0."""
+    values = values[np.isfinite(values)][:_LOOKED_AT]
+    distinct = np.unique(values)
+    return float(np.diff(distinct).min()) if 1 < len(distinct) <= _AGAIN * len(values) else 0.0
 
 
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:

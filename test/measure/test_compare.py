@@ -142,3 +142,14 @@ def test_a_record_with_a_pause_has_a_floor_like_the_rest():
     expected, found = (compare(drive, [run]).signals for run in (whole, paused))
     for name, entry in found.items():
         assert 0.5 < entry.floor / expected[name].floor < 2.0
+
+
+@pytest.mark.parametrize('channel, step', [
+    ('pump_outlet_pressure', 1e5), ('motor_inlet_flow', 1.0 / 60e3), ('motor_speed', np.pi / 30.0),
+    ('load_torque', 5.0)])
+def test_a_coarse_reading_is_no_missing_physics(channel, step):
+    """Steps of 1 bar, 1 L/min, 1 rpm, 5 N.m: ten to fifty values, some times the noise."""
+    run = record(3)
+    run = replace(run, channels={**run.channels, channel: step * np.round(run[channel] / step)})
+    for name, signal in compare(Drive(RIG), [run]).signals.items():
+        assert signal.noise_ratio < 1.25, name

@@ -124,6 +124,24 @@ def test_a_frozen_sensor_is_left_out_while_it_stands(value):
     assert len(notes) == 1 and notes[0].startswith('motor_speed: stands still')
 
 
+def test_a_sensor_that_froze_early_is_left_out_from_there_on():
+    spoilt = sensors(4)
+    spoilt['motor_speed'][2000:] = spoilt['motor_speed'][2000]
+    mended, notes = without_faults(TIME, spoilt)
+    assert np.isnan(mended['motor_speed'][2001:]).all()
+    assert np.isnan(mended['motor_speed']).sum() <= 4003 and len(notes) == 1
+
+
+def test_what_stood_at_the_end_of_its_range_is_known_in_no_row_there():
+    """Where it comes and goes slowly, too, and in single rows."""
+    spoilt = sensors(6)
+    true = spoilt['load_torque']
+    spoilt['load_torque'] = np.minimum(true, 215.0)
+    mended, notes = without_faults(TIME, spoilt)
+    assert np.array_equal(np.isnan(mended['load_torque']), true >= 215.0)
+    assert len(notes) == 1 and notes[0].startswith('load_torque: stands still')
+
+
 def test_a_drive_at_rest_and_a_slow_thermometer_are_not_frozen():
     readings = sensors(5)
     speed = readings['motor_speed']

@@ -51,6 +51,15 @@ def test_a_late_stop_counts():
     assert judged(run(speed=speed)).samples.all()
 
 
+@pytest.mark.parametrize('first, last', [(0.0, 8.0), (20.0, 30.0), (40.0, 60.0)])
+def test_a_load_is_not_judged_while_its_speed_was_not_read(first, last):
+    lost = (TIME >= first) & (TIME < last)
+    span, = judged(run(speed=np.where(lost, np.nan, 10.0))).left_out
+    assert span.why == 'hydromotor speed missing'
+    # Until a second after, when what it rang of has gone.
+    assert (span.start, span.end) == pytest.approx((first, min(last + 1.0, 60.0)), abs=0.021)
+
+
 def test_what_fills_the_recording_is_not_left_out():
     speed = np.where(TIME < 1.0, 0.0, 10.0)
     found = judged(run(speed=speed, pressure=np.where(TIME % 10 < 5, 0.0, 60e5)))
