@@ -183,7 +183,8 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
         own, model = judged(search.campaign, fitted)
         return Step(added, own.ratios(model.errors, False), own.ratios(model.errors, True))
 
-    steps = [step('datasheet', sheet), step('calibrated unit', search.base)]
+    first = 'commissioned unit' if search.campaign.own_past else 'datasheet'
+    steps = [step(first, sheet), step('calibrated unit', search.base)]
     for count in range(1, len(order) + 1):
         names = tuple(sorted(order[:count]))
         if count == len(order):

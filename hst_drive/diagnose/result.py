@@ -155,7 +155,7 @@ class Diagnosis:
     ranking : tuple of Ranked
         Every candidate alone, the best first.
     ladder : tuple of Step
-        Datasheet, calibrated unit, then one step per effect.
+        Datasheet (or the unit as commissioned), calibrated unit, then one step per effect.
     not_observable : dict of str to str
         Effects that these logs cannot show, and why.
     smallest : dict of str to float

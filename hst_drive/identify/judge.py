@@ -9,7 +9,7 @@ block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence, TYPE_CHECKING
+from typing import Mapping, NamedTuple, TYPE_CHECKING
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign

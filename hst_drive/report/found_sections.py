@@ -60,9 +60,14 @@ def found_section(diagnosis: dict) -> Markup:
             'div', element('h3', f'To tell {", ".join(test["separates"])} apart'),
             element('p', test['what']), class_='card next'))
     if not diagnosis['effects'] and not diagnosis.get('unknown'):
-        parts.append(element('p', 'The model as it stands, calibrated within the datasheet’s '
-                             'tolerances, explains these logs down to the noise.'))
+        parts.append(element('p', 'The model as it stands, calibrated within the tolerances of '
+                             f'{_start(diagnosis)}, explains these logs down to the noise.'))
     return section('missing', 'What is missing', *parts)
+
+
+def _start(diagnosis: dict) -> str:
+    """Return what a unit was calibrated from."""
+    return 'the commissioned unit' if diagnosis.get('since') else 'the datasheet'
 
 
 def effect_card(found: dict) -> Markup:
@@ -148,10 +153,10 @@ def unit_section(diagnosis: dict) -> Markup:
     moved = [entry for entry in diagnosis['calibration'] if abs(entry['sigmas']) >= 0.1]
     parts: list[object] = []
     if moved:
-        parts.append(table(['quantity', 'factor on the datasheet', 'tolerances', ''], [
+        parts.append(table(['quantity', f'factor on {_start(diagnosis)}', 'tolerances', ''], [
             [entry['quantity'], f'{entry["factor"]:.4f}', f'{entry["sigmas"]:+.1f}',
              'at its limit' if entry['at_limit'] else ''] for entry in moved],
-            'What calibration moved, within three tolerances of the datasheet'))
+            f'What calibration moved, within three tolerances of {_start(diagnosis)}'))
     else:
         parts.append(element('p', 'Calibration moved nothing by a tenth of a tolerance.'))
     smallest = diagnosis.get('smallest_visible') or {}
@@ -170,4 +175,4 @@ def unit_section(diagnosis: dict) -> Markup:
         parts.append(element('details', element('summary', 'Not observable in these logs'),
                              element('dl', join(element('dt', name) + element('dd', reason)
                                                 for name, reason in hidden.items()))))
-    return section('unit', 'This unit against its datasheet', *parts)
+    return section('unit', f'This unit against {_start(diagnosis)}', *parts)

@@ -23,7 +23,8 @@ def played(effects):
 @pytest.mark.parametrize('effect, values, signal, read', [
     ('pressure_sensor_bias', {'bias': 4e5}, 'line_a_pressure', lambda true: true + 4e5),
     ('flow_sensor_scale', {'gain_error': 0.1}, 'motor_inlet_flow', lambda true: 1.1 * true),
-    ('torque_sensor_scale', {'gain_error': 0.1, 'knee': 0.0}, 'motor_torque', lambda true: 1.1 * true)])
+    ('torque_sensor_scale', {'gain_error': 0.1, 'knee': 0.0}, 'motor_torque',
+     lambda true: 1.1 * true)])
 def test_a_sensor_that_is_off_reads_so_and_moves_nothing(effect, values, signal, read):
     true, off = played({}), played({effect: values})
     assert np.ptp(true[signal]) > 0.0

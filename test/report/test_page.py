@@ -8,7 +8,7 @@ import re
 
 from hst_drive import cli
 from hst_drive.bag import write_csv
-from hst_drive.report.found_sections import found_section
+from hst_drive.report.found_sections import found_section, unit_section
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -121,6 +121,13 @@ def test_a_diagnosis_written_before_does_not_say_that_its_probabilities_held():
     content = made_up_diagnosis()
     del content['probability']['calibrated']
     assert 'not calibrated for such logs: motor_leakage 0.93' in str(found_section(content))
+
+
+def test_a_unit_is_laid_beside_what_it_is_calibrated_from():
+    content = made_up_diagnosis()
+    assert 'This unit against the datasheet' in str(unit_section(content))
+    told = str(unit_section({**content, 'since': ['first.csv']}))
+    assert 'This unit against the commissioned unit' in told and 'datasheet' not in told
 
 
 def test_the_numbers_are_those_of_compare(made, folder):
