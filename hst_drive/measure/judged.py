@@ -106,11 +106,11 @@ def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
 
 
 def _without_speed(run: Run, time: np.ndarray) -> np.ndarray:
-    """Tell where the speed is missing for long: the load goes with it."""
+    """Tell where the speed is missing for longer than can be bridged: the load goes with it."""
     out = np.zeros(len(time), dtype=bool)
     if 'motor_speed' in run:
         known = np.concatenate([[0.0], time[np.isfinite(run['motor_speed'])], time[-1:]])
-        for place in np.flatnonzero(np.diff(known) > _SOON):
+        for place in np.flatnonzero(np.diff(known) > _AFTER):
             out |= (time >= known[place]) & (time < known[place + 1] + _AFTER)
     return out
 

@@ -353,7 +353,7 @@ def test_filtered_speed(series):
 @pytest.mark.parametrize('lag', [2e-4, 2e-3])
 @pytest.mark.parametrize('series', [0.0, 0.5])
 def test_a_filter_quicker_than_a_step_reads_as_late_as_it_is(lag, series):
-    """Of a speed that rises evenly it shows what was there a lag before, however long the steps."""
+    """Of a speed that rises evenly it shows what was there a lag before."""
     time, inputs = excited(300)
     late, speed = (Drive(RIG, effects, max_step=0.01).simulate(time, inputs)['motor_speed']
                    for effects in (
