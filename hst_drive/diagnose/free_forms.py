@@ -13,12 +13,13 @@ from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import Fit, fit
-from hst_drive.identify.judge import parts, PRACTICAL
+from hst_drive.identify.judge import excess, parts, PRACTICAL
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_unlisted
 from hst_drive.measure.run import CHANNELS
 import numpy as np
 
+_REST = 0.25            # of the excess squared error: who leaves more explains something else
 PATIENT = 8             # steps of a fit that begins far from where it ends
 _FAINT = 1e-3           # of a formula's typical size: where its fit starts
 
@@ -70,14 +71,18 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
     """
     Say whether something that is not listed, fitted in a campaign, is a better answer than a set.
 
-    It leaves nothing unexplained, and the logs are far likelier with it. Where the set
+    It leaves nothing unexplained, or little, and the logs are far likelier with it. Where the set
     leaves something (``left``) they need not be, if the evidence does not speak against it; where
     the set is not as simple, they must only not be far less likely.
     """
     least = -CREDIBLE if simpler else -log(DECIDED) if left else CREDIBLE
     if log_odds_unlisted(search, best, campaign, trial) <= least:
         return False
-    return not search.unexplained(best._replace(fit=trial))
+    if not search.unexplained(best._replace(fit=trial)):
+        return True
+    before, after = (sum(excess(campaign.ratios(entry.errors, part)) for part in parts(campaign))
+                     for entry in (best.fit, trial))
+    return 0.0 < before and after <= _REST * before
 
 
 def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:

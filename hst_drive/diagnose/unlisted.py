@@ -101,12 +101,9 @@ def _of_warmth(search: Search, best: Candidate,
         model = model.without(name)
     trials = [trial for freer in _OF_WARMTH if freer.unknown.signal in search.campaign.signals
               for trial in [fitted_freer(search.campaign, model, freer)] if trial]
-    if not trials:
-        return {}
-    search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
-    trial = min(trials, key=lambda item: search.score(item.fit))
     # Of what explains as much one cause is a better answer than several.
-    if not better(search, best, trial.fit, search.campaign, left, simpler=True):
+    trial = _best(search, best, trials, left, simpler=True)
+    if not trial:
         return {}
     unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
     return dict.fromkeys(names, Unlisted(
@@ -128,12 +125,12 @@ def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Un
         f'{trial.what} {how_much_better(search, best, trial.fit)}', trial.unknown)
 
 
-def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Container[str]
-          ) -> Trial | None:
+def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Container[str],
+          simpler: bool = False) -> Trial | None:
     """Return the best of trials that are better answers than a set; all are remembered."""
     search.unlisted += [(search.campaign, trial.fit.light()) for trial in trials]
     return next((trial for trial in sorted(trials, key=lambda item: search.score(item.fit))
-                 if better(search, best, trial.fit, search.campaign, left)), None)
+                 if better(search, best, trial.fit, search.campaign, left, simpler)), None)
 
 
 def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:

@@ -254,7 +254,13 @@ class Search:
         while level:
             beam = self._beam(best, level)
             if not self.asked(best, beam[0]):
-                break
+                # What resonates with the other (ripple on a soft shaft) shows only beside it.
+                level = [] if len(beam[0].names) == MOST_EFFECTS else self._extended(best, beam)
+                if not level:
+                    break
+                beam = self._beam(best, level)
+                if not self.asked(best, beam[0]):
+                    break
             beam[0] = best = self.refine(beam[0])
             if len(best.names) == MOST_EFFECTS:
                 break

@@ -67,8 +67,9 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
                          f'no other channel follows ({_at(time[faults.spikes])}); left out')
         for first, end in faults.frozen:
             stands = channels[name][first]
-            # What stood at an end of its range is not known in any row there.
-            ended = stands in (np.nanmin(channels[name]), np.nanmax(channels[name]))
+            # What stood at an end of its range is not known in any row there; 0 is rest as well.
+            ended = stands not in _NULLS and stands in (np.nanmin(channels[name]),
+                                                        np.nanmax(channels[name]))
             values[channels[name] == stands if ended else slice(first, end)] = np.nan
         if faults.frozen:
             spans = ', '.join(f'{time[first]:.4g} to {time[end - 1]:.4g} s'

@@ -108,10 +108,11 @@ def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
 def _without_speed(run: Run, time: np.ndarray) -> np.ndarray:
     """Tell where the speed is missing for longer than can be bridged: the load goes with it."""
     out = np.zeros(len(time), dtype=bool)
-    if 'motor_speed' in run:
-        known = np.concatenate([[0.0], time[np.isfinite(run['motor_speed'])], time[-1:]])
-        for place in np.flatnonzero(np.diff(known) > _AFTER):
-            out |= (time >= known[place]) & (time < known[place + 1] + _AFTER)
+    missing = ~np.isfinite(run.channels.get('motor_speed', np.zeros(len(time))))
+    edges = np.flatnonzero(np.diff(missing.astype(int), prepend=0, append=0))
+    for first, end in zip(edges[::2], edges[1::2]):
+        if time[end - 1] - time[first] > _AFTER and not missing.all():
+            out |= (time >= time[first]) & (time < time[end - 1] + _AFTER)
     return out
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter, savgol_filter
 
-_LOOKED_AT, _AGAIN = 20_000, 0.1     # values, and what share of them differ in a coarse reading
+_LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what rounding makes
+_COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
 _LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
@@ -101,7 +102,10 @@ def _seen_step(values: np.ndarray) -> float:
     """Return the steps of a reading that takes the same values again and again; else 0."""
     values = values[np.isfinite(values)][:_LOOKED_AT]
     distinct = np.unique(values)
-    return float(np.diff(distinct).min()) if 1 < len(distinct) <= _AGAIN * len(values) else 0.0
+    # What differs by less is rounding: of a difference of two readings, say.
+    apart = np.diff(distinct)[np.diff(distinct) > _ROUNDED * np.ptp(values)] if (
+        len(values)) else distinct
+    return float(apart.min()) if 0 < len(apart) < max(_COARSE, _AGAIN * len(values)) else 0.0
 
 
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:

@@ -61,9 +61,10 @@ class ClosedDrive:
 
     def __init__(self, rig: Rig, effects: Effects):
         self._model = model = CircuitModel(rig, effects)
-        for name in effects or {}:
-            if not model.enters(name) or catalogue()[name].slot == 'speed_reading_lag':
-                why = 'does not enter' if not model.enters(name) else 'cannot be played with'
+        for name in model.effects:
+            why = 'does not enter' if not model.enters(name) else 'cannot be played with' if (
+                catalogue(everything=True)[name].slot == 'speed_reading_lag') else ''
+            if why:
                 raise InputError(f"effect '{name}': {why} 'circuit: {rig.circuit}'; leave it out")
         self._states = len(model.circuit.states)
         self._turns = CONSTANTS['SIGN_WIDTH'] / model.parameter('sign_scale')    # rad/s

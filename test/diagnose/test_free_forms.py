@@ -3,8 +3,8 @@
 """When something that is not listed is the better answer: made-up odds and noise ratios."""
 from types import SimpleNamespace
 
-from hst_drive.diagnose import free_forms
-from hst_drive.diagnose.free_forms import better, how_much_better
+from hst_drive.diagnose import free_forms, unlisted
+from hst_drive.diagnose.free_forms import better, how_much_better, Trial
 from hst_drive.identify.judge import Gain
 import pytest
 
@@ -34,7 +34,7 @@ def made_up(monkeypatch, odds):
     (-8.0, True, 1.0, 1.0, False),
     (0.0, False, 3.0, 1.1, True),       # something was left, and nothing is now
     (-3.0, False, 3.0, 1.1, False),
-    (20.0, False, 6.0, 1.5, False),     # little is left, which nobody has explained
+    (20.0, False, 6.0, 1.5, True),      # or less than a tenth of it
     (20.0, False, 3.0, 2.5, False),
     (-1.0, True, 1.5, 1.5, False)])     # what changes nothing is no answer: held-out rows are fine
 def test_it_is_likely_and_leaves_little(monkeypatch, odds, simpler, before, after, expected):
@@ -52,3 +52,14 @@ def test_the_share_is_told_where_there_is_one(shares, told):
         campaign=SimpleNamespace(own_past=False),
         gain=lambda *_: Gain(shares, {}, {}, {}))
     assert how_much_better(search, Best(fit=None), None) == told
+
+
+def test_of_what_passes_the_best_is_told_and_all_is_remembered(monkeypatch):
+    monkeypatch.setattr(unlisted, 'better', lambda search, best, fit, *_: fit.passes)
+    search = SimpleNamespace(campaign='logs', unlisted=[], score=lambda fit: fit.score)
+    trials = [Trial(what, SimpleNamespace(score=score, passes=passes, light=lambda: 'fit'), None)
+              for what, score, passes in (('fair', 3.0, True), ('best', 2.0, True),
+                                          ('no answer', 1.0, False))]
+    assert unlisted._best(search, None, trials, {}).what == 'best'
+    assert search.unlisted == 3 * [('logs', 'fit')]
+    assert unlisted._best(search, None, [], {}) is None

@@ -9,6 +9,7 @@ from hst_drive.bag.align import align, Signal
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
+from hst_drive.measure.readings import Readings
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
 from hst_drive.model.steady import operating_point
@@ -153,3 +154,13 @@ def test_a_coarse_reading_is_no_missing_physics(channel, step):
     run = replace(run, channels={**run.channels, channel: step * np.round(run[channel] / step)})
     for name, signal in compare(Drive(RIG), [run]).signals.items():
         assert signal.noise_ratio < 1.25, name
+
+
+def test_steps_are_seen_where_two_coarse_ports_were_subtracted():
+    """Their difference is off by rounding; 0.1 bar is 0.1 bar over the root of 12 of noise."""
+    random = np.random.default_rng(5)
+    time = np.arange(3000) * 0.01
+    ports = [np.round(level + 3.0 * np.sin(time / 5.0) + 0.02 * random.standard_normal(3000), 1)
+             * 1e5 for level in (80.0, 20.1)]
+    run = Run('a', time, {'pump_outlet_pressure': ports[0] - ports[1] + 1e-9 * time})
+    assert Readings(run, {}).step('pump_outlet_pressure') == pytest.approx(1e4 / 12**0.5)

@@ -142,6 +142,17 @@ def test_what_stood_at_the_end_of_its_range_is_known_in_no_row_there():
     assert len(notes) == 1 and notes[0].startswith('load_torque: stands still')
 
 
+def test_a_cable_that_was_off_takes_no_rest_of_the_drive_with_it():
+    spoilt = sensors(4)
+    speed = spoilt['motor_speed']
+    speed[:] = np.round(speed * np.clip(np.abs(TIME - 8.0) - 2.0, 0.0, 1.0), 1)  # rests 6 to 10 s
+    rest = np.flatnonzero(speed[:1200] == 0.0)
+    speed[2000:2300] = 0.0
+    mended, _ = without_faults(TIME, spoilt)
+    assert np.isnan(mended['motor_speed'][2000:2300]).all() and len(rest) > 300
+    assert not np.isnan(mended['motor_speed'][rest]).any()
+
+
 def test_a_drive_at_rest_and_a_slow_thermometer_are_not_frozen():
     readings = sensors(5)
     speed = readings['motor_speed']

@@ -51,13 +51,21 @@ def test_a_late_stop_counts():
     assert judged(run(speed=speed)).samples.all()
 
 
-@pytest.mark.parametrize('first, last', [(0.0, 8.0), (20.0, 30.0), (40.0, 60.0)])
+@pytest.mark.parametrize('first, last', [(0.0, 8.0), (20.0, 21.5), (40.0, 60.0)])
 def test_a_load_is_not_judged_while_its_speed_was_not_read(first, last):
     lost = (TIME >= first) & (TIME < last)
     span, = judged(run(speed=np.where(lost, np.nan, 10.0))).left_out
     assert span.why == 'hydromotor speed missing'
     # Until a second after, when what it rang of has gone.
     assert (span.start, span.end) == pytest.approx((first, min(last + 1.0, 60.0)), abs=0.021)
+
+
+def test_a_short_gap_of_the_speed_and_a_pause_of_the_record_count_whole():
+    short = (TIME >= 20.0) & (TIME < 20.5)
+    assert judged(run(speed=np.where(short, np.nan, 10.0))).samples.all()
+    paused = np.where(TIME < 15.0, TIME, TIME + 10.0)
+    assert judged(run(time=paused)).samples.all()
+    assert judged(run(time=150.0 * TIME)).left_out == ()
 
 
 def test_what_fills_the_recording_is_not_left_out():

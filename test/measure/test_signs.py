@@ -131,3 +131,5 @@ def test_of_other_circuits_commands_and_lines_are_told_as_well(circuit, seed, tm
     told, = unit_doubts(rig, replace(run, channels={
         **run.channels, one: run[other], other: run[one]}))
     assert told.startswith(f'{LINES} seem to be exchanged')
+    off = replace(run, channels={**run.channels, command: 0.7 * run[command]})
+    assert not any('exchanged' in told for told in unit_doubts(rig, off))

@@ -1,6 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """What the sensors of a simulated closed circuit read."""
+from dataclasses import replace
+
 from hst_drive.errors import InputError
 from hst_drive.nodes.simulated import simulated
 from hst_drive.resources import share
@@ -37,3 +39,6 @@ def test_what_cannot_be_played_is_refused():
         simulated(RIG, {'speed_sensor_lag': {}})
     with pytest.raises(InputError, match="'prv_cracking': does not enter"):
         simulated(RIG, {'prv_cracking': {}})
+    adopted = replace(RIG, effects={'speed_sensor_lag': {'time_constant': 0.2, 'series': 0.0}})
+    with pytest.raises(InputError, match='cannot be played'):
+        simulated(adopted, {})
