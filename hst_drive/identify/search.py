@@ -174,7 +174,8 @@ class Search:
         asked = CREDIBLE if before.names else self.campaign.odds_asked
         if odds > asked and (self.campaign.own_past or any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
-                          for entry in (before, after)), done) for part in (True, False))):
+                          for entry in (before, after)), done)
+                for part in parts(self.campaign))):
             return True
         # The load of a flexible shaft follows rough rock better whether it is there or not.
         return odds > -np.inf and not flexible({*after.names} - {*before.names}) and shown(

@@ -61,6 +61,7 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
     clean, notes = dict(channels), []
     for name, faults in found.items():
         values = channels[name].copy()
+        low, high = np.nanmin(values), np.nanmax(values)
         if len(faults.spikes):
             values[faults.spikes] = np.nan
             notes.append(f'{name}: {len(faults.spikes)} of {len(time)} samples are spikes that '
@@ -68,8 +69,7 @@ def without_faults(time: np.ndarray, channels: Mapping[str, np.ndarray]) -> tupl
         for first, end in faults.frozen:
             stands = channels[name][first]
             # What stood at an end of its range is not known in any row there; 0 is rest as well.
-            ended = stands not in _NULLS and stands in (np.nanmin(channels[name]),
-                                                        np.nanmax(channels[name]))
+            ended = stands not in _NULLS and stands in (low, high)
             values[channels[name] == stands if ended else slice(first, end)] = np.nan
         if faults.frozen:
             spans = ', '.join(f'{time[first]:.4g} to {time[end - 1]:.4g} s'
@@ -103,10 +103,9 @@ def without_lost_rows(time: np.ndarray, channels: Mapping[str, np.ndarray],
     if len(readings) < 2:
         return dict(channels), []
     null = np.all([np.isin(values, _NULLS) | np.isnan(values) for values in readings], axis=0)
-    edges = np.flatnonzero(np.diff(null.astype(int), prepend=0, append=0))
     usual = [_FALLS * np.nanpercentile(np.abs(values), 90) for values in readings]
     lost = np.zeros(len(time), dtype=bool)
-    for first, end in zip(edges[::2], edges[1::2]):
+    for first, end in stretches(null):
         if first and end < len(time) and all(
                 sum(abs(values[place] - values[first]) > far
                     for values, far in zip(readings, usual)) >= 2 for place in (first - 1, end)):
@@ -117,6 +116,11 @@ def without_lost_rows(time: np.ndarray, channels: Mapping[str, np.ndarray],
              for name, values in channels.items()}
     return clean, [f'{np.count_nonzero(lost)} of {len(time)} rows are 0 in all readings '
                    f'({_at(time[lost])}): lost by the logger; left out']
+
+
+def stretches(where: np.ndarray) -> np.ndarray:
+    """Return the stretches in which a condition holds, each its first row and the one behind."""
+    return np.flatnonzero(np.diff(where.astype(int), prepend=0, append=0)).reshape(-1, 2)
 
 
 def _at(times: np.ndarray) -> str:
@@ -218,9 +222,8 @@ def _spikes(values: np.ndarray, resolution: float) -> np.ndarray:
 
 def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[int, int], ...]:
     """Return stretches over which a reading that else moves repeats one number."""
-    same = np.concatenate([[False], np.diff(values) == 0.0, [False]])
-    edges = np.flatnonzero(np.diff(same.astype(int)))
-    first, end = edges[::2], edges[1::2] + 1
+    first, last = stretches(np.diff(values) == 0.0).T
+    end = last + 1
     finite = values[np.isfinite(values)]
     if not len(first) or not len(finite) or resolution == 0.0:
         return ()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.measure.faults import stretches
 from hst_drive.measure.run import Run
 import numpy as np
 
@@ -109,16 +110,14 @@ def _without_speed(run: Run, time: np.ndarray) -> np.ndarray:
     """Tell where the speed is missing for longer than can be bridged: the load goes with it."""
     out = np.zeros(len(time), dtype=bool)
     missing = ~np.isfinite(run.channels.get('motor_speed', np.zeros(len(time))))
-    edges = np.flatnonzero(np.diff(missing.astype(int), prepend=0, append=0))
-    for first, end in zip(edges[::2], edges[1::2]):
-        if time[end - 1] - time[first] > _AFTER and not missing.all():
+    for first, end in stretches(missing) if not missing.all() else ():
+        if time[end - 1] - time[first] > _AFTER:
             out |= (time >= time[first]) & (time < time[end - 1] + _AFTER)
     return out
 
 
 def _spans(time: np.ndarray, out: np.ndarray, reasons: dict[str, np.ndarray]) -> tuple[Span, ...]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], out, [False]]).astype(int)))
     return tuple(Span(
         float(time[first]), float(time[min(end, len(time) - 1)]),
         ', '.join(why for why, part in reasons.items() if part[first:end].any()))
-        for first, end in zip(edges[::2], edges[1::2]))
+        for first, end in stretches(out))

@@ -101,10 +101,9 @@ class Readings:
 def _seen_step(values: np.ndarray) -> float:
     """Return the steps of a reading that takes the same values again and again; else 0."""
     values = values[np.isfinite(values)][:_LOOKED_AT]
-    distinct = np.unique(values)
+    apart = np.diff(np.unique(values))
     # What differs by less is rounding: of a difference of two readings, say.
-    apart = np.diff(distinct)[np.diff(distinct) > _ROUNDED * np.ptp(values)] if (
-        len(values)) else distinct
+    apart = apart[apart > _ROUNDED * apart.sum()]
     return float(apart.min()) if 0 < len(apart) < max(_COARSE, _AGAIN * len(values)) else 0.0
 
 

@@ -51,10 +51,10 @@ def swapped(rig: Rig, run: Run) -> str:
     if alike == [_SPEED] and not _never_drives(run) and _left(
             next(_turned(run))[1], model, True) > _MENDED * _left(run, model, True):
         return ''       # a torque or a pressure that is a little off does that, too
-    if not signs and least > _OFF and _OUTLET not in run:
-        return ''       # without a torque it mends an error of size as well
     if not signs:
-        return f'{exchanged[0]} seem to be exchanged; exchange them in the channel map'
+        # Without a torque an exchange of lines mends an error of size as well.
+        return '' if least > _OFF and _OUTLET not in run else (
+            f'{exchanged[0]} seem to be exchanged; exchange them in the channel map')
     return (f'{" or ".join(signs)} seems to have the wrong sign; add scale: -1 to it in the '
             f'channel map{"".join(f"; or {pair} are exchanged" for pair in exchanged)}')
 

@@ -82,8 +82,9 @@ class ClosedDrive:
         found = self._model.run(times, inputs, {}, state[:self._states],
                                 memory=state[self._states:])
         taken = inputs['opposing_torque'] * np.tanh(found['motor_speed'] / self._turns)
-        found = {**found, 'motor_torque': taken}
-        return {name: values + misread(self._model, {**inputs, **found}, name, values)
+        found['motor_torque'] = taken
+        true = {**inputs, **found}
+        return {name: values + misread(self._model, true, name, values)
                 for name, values in found.items()}
 
 
