@@ -241,8 +241,8 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
 
 def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
     return tuple(sorted(
-        (Calibrated(key, math.exp(value), value / campaign.tolerances[key],
-                    at_limit(campaign, key, value))
+        (Calibrated(key, campaign.expected.get(key, 1.0) * math.exp(value),
+                    value / campaign.tolerances[key], at_limit(campaign, key, value))
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 
 

@@ -89,10 +89,11 @@ class Campaign:
     signed = False  # whether a leak may be less than none: against what a machine was, it may
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
-        self.rig = rig
+        self.expected, self.tolerances, self.ties = prior(rig, (*runs, *holdout))
+        self.rig = replace(rig, calibration={**rig.calibration, **{
+            key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
         self.adopted = rig.effects
         self.drive = self._model()
-        self.tolerances, self.ties = prior(rig, (*runs, *holdout))
         self.replays = [self._replay(run.slower(self.finest)) for run in (*runs, *holdout)]
         self.usable = [self._usable(replay) for replay in self.replays]
         self.judge = self.drive

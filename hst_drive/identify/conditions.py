@@ -17,9 +17,9 @@ _TAILS = (5.0, 95.0)    # percent of the readings: what a log visits now and the
 # Beyond what was commissioned: a share of the highest value there, and K for temperatures.
 _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
 # What passes through gaps goes with the power 0 to 1 of the oil's viscosity (0: orifices, 1:
-# laminar gaps); the mean square of a number anywhere between.
+# laminar gaps): mean and deviation of a number anywhere between.
 _GAPS = ('pump.leakage', 'motor.leakage')
-_POWER = 3.0**-0.5
+_POWER, _SPREAD = 0.5, 12.0**-0.5
 
 
 class Outside(NamedTuple):
@@ -39,27 +39,35 @@ class Outside(NamedTuple):
         return f'{CHANNELS[self.channel].title} {low} to {high} {unit} (there {first} to {last})'
 
 
-def prior(rig: Rig, runs: Sequence[Run]
-          ) -> tuple[dict[str, float], dict[tuple[str, str], float]]:
+class Prior(NamedTuple):
+    """Factors of the unit: expected ones, how far off (logarithm, one sigma), and their ties."""
+
+    expected: dict[str, float]
+    sigmas: dict[str, float]
+    ties: dict[tuple[str, str], float]
+
+
+def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     """
-    Return by how much factors of the unit may be off (logarithm, one sigma), and what ties them.
+    Return what is known of the unit's factors, beside ``rig.calibration``.
 
     Where the oil is warmer or colder than a machine was commissioned for, its leakages are known
     no better than the power with which they follow the viscosity.
     """
     sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
-        return sigmas, {}
-    more = _POWER * _thinner(rig, runs)
-    wider = {key: float(np.hypot(value, more)) if key in _GAPS else value
+        return Prior({}, sigmas, {})
+    thinner = _thinner(rig, runs)
+    wider = {key: float(np.hypot(value, _SPREAD * thinner)) if key in _GAPS else value
              for key, value in sigmas.items()}
     shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
-    return wider, {(one, other): value if one == other else value * shrunk[one] * shrunk[other]
-                   for (one, other), value in rig.fingerprint.correlation.items()}
+    return Prior({key: float(np.exp(_POWER * thinner)) for key in _GAPS if key in sigmas}, wider, {
+        (one, other): value if one == other else value * shrunk[one] * shrunk[other]
+        for (one, other), value in rig.fingerprint.correlation.items()})
 
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
-    """Return by what factor (logarithm) the viscosity lies beyond what was commissioned."""
+    """Return by what factor (logarithm) the oil is thinner than any that was commissioned."""
     grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs)
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
@@ -68,7 +76,8 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
     thick, thin = (float(np.log(viscosity(end, grade)))
                    for end in rig.fingerprint.conditions['oil_temperature'])
     now = np.log([viscosity(end, grade) for end in reach])
-    return float(np.abs(now - np.clip(now, thin, thick)).max())
+    beyond = np.clip(now, thin, thick) - now
+    return float(beyond[np.abs(beyond).argmax()])
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:

@@ -1,11 +1,13 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A machine's fingerprint: against closed forms, and what a diagnosis sees with it."""
+import math
 import sys
 from types import SimpleNamespace
 
 from hst_drive.diagnose.commission import commission, DAY_TO_DAY
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.effects.oil import viscosity
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Model
 from hst_drive.identify.conditions import prior
@@ -137,6 +139,10 @@ def test_beyond_what_was_commissioned_is_told(unit):
     found = diagnose(unit, [warm])
     assert found.verdict == 'none' and 'oil temperature 60' in found.sentence
     assert [entry.channel for entry in found.outside] == ['oil_temperature']
-    sigmas, _ = prior(unit, [warm])
-    assert sigmas['pump.leakage'] > 0.3 > 10 * sigmas['pump.displacement_vs_command']
+    known, thinner = prior(unit, [warm]), math.log(viscosity(313.15, 'ISO VG 46')
+                                                   / viscosity(333.15, 'ISO VG 46'))
+    # As a number anywhere from 0 to the viscosity's ratio: orifices to laminar gaps.
+    assert math.log(known.expected['pump.leakage']) == pytest.approx(thinner / 2, rel=0.05)
+    assert known.sigmas['pump.leakage'] == pytest.approx(thinner / 12**0.5, rel=0.05)
+    assert known.sigmas['pump.displacement_vs_command'] < 0.03
     assert not diagnose(unit, [day(3)]).outside
