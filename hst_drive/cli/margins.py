@@ -87,8 +87,9 @@ def _plants(rig: Rig, speeds: list[float],
     from hst_drive.model.steady import linearise, operating_point
 
     if any(not 0.0 < speed < 1e5 for speed in speeds) or any(not 0.0 <= m < 1e6 for m in loads):
-        raise InputError('--speed, --load: expected speeds from 0 to 1e5 rpm and loads of '
-                         f'0 to 1e6 N.m; found {", ".join(f"{x:g}" for x in (*speeds, *loads))}')
+        raise InputError('--speed, --load: expected speeds above 0 and below 1e5 rpm, found '
+                         f'{", ".join(f"{speed:g}" for speed in speeds)}, and loads from 0 to 1e6 '
+                         f'N.m, found {", ".join(f"{load:g}" for load in loads)}')
     drive = Drive(rig)
     points: list[tuple[float, float, Plant]] = []
     for speed in speeds:
@@ -111,10 +112,13 @@ def _plants(rig: Rig, speeds: list[float],
 
 def _text(rig: str, kp: float, ki: float, points: list[tuple[float, float, Plant]],
           found: list[Margins]) -> str:
-    rows = [[speed / _RPM, load, entry.stable, math.degrees(entry.phase_margin),
-             _decibel(entry.gain_margin), entry.crossover / (2 * math.pi),
+    # A loop that is not stable has no margins: what a formula gives for them says nothing.
+    rows = [[speed / _RPM, load, entry.stable,
+             math.degrees(entry.phase_margin) if entry.stable else '-',
+             _decibel(entry.gain_margin) if entry.stable else '-',
+             entry.crossover / (2 * math.pi),
              entry.resonance / (2 * math.pi), entry.resonance_damping,
-             _decibel(entry.resonance_gain), entry.sensitivity_peak]
+             _decibel(entry.resonance_gain), entry.sensitivity_peak if entry.stable else '-']
             for (speed, load, _), entry in zip(points, found)]
     return (f'{rig}: kp {kp:g} V.s/rad, ki {ki:g} V/rad\n'
             + table(['rpm', 'load N.m', 'stable', 'phase deg', 'gain dB', 'crossover Hz',
@@ -128,8 +132,9 @@ def _verdict(found: list[Margins]) -> str:
     phase = math.degrees(min(entry.phase_margin for entry in found))
     gain = _decibel(min(entry.gain_margin for entry in found))
     quiet = _decibel(max(entry.resonance_gain for entry in found))
-    if not all(entry.stable for entry in found):
-        return 'Unstable at some operating point.'
+    unstable = sum(not entry.stable for entry in found)
+    if unstable:
+        return f'Unstable at {unstable} of {len(found)} operating points.'
     word = 'Well damped' if all(meets(entry, _PHASE, _GAIN) for entry in found) else \
         'Stable, but below 45 deg or 6 dB somewhere'
     return (f'{word}: at least {phase:.0f} deg and {gain:.1f} dB, loop gain at the resonance at '

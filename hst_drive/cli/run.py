@@ -68,9 +68,19 @@ def run(args: argparse.Namespace) -> int:
     for note in plan.notes:
         say(f'note: {note}')
     say(f'{plan.title}: {plan.duration:g} s, recording to {plan.output}')
+    faults = set()
+
+    def heard(name: str, line: str) -> None:
+        # A fault is told again with each state of the stop that it brings about.
+        fault = line.rpartition(']: ')[2].rpartition(';')[0]
+        if args.verbose:
+            say(f'  {name}: {line}')
+        elif name == 'controller' and '[ERROR]' in line and fault not in faults:
+            faults.add(fault)
+            say(f'note: the controller stopped the drive: {fault}')
+
     try:
-        result = execute(plan, progress_line(plan.duration), lambda name, line: say(
-            f'  {name}: {line}') if args.verbose else None)
+        result = execute(plan, progress_line(plan.duration), heard)
     except RunFailed as problem:
         say(f'hst-drive run: {problem}')
         return 1

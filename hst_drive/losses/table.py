@@ -28,6 +28,8 @@ _FIELDS = {'motor_displacement': 'displacement', 'oil_temperature': 'temperature
 _RANGE = {'motor_displacement': (0.05, 5e4), 'oil_temperature': (-60.0, 250.0),
           'load_torque': (0.0, 1e6), 'motor_speed': (0.01, 1e5), 'supply_pressure': (0.1, 2e3),
           'supply_flow': (1e-4, 1e5), DRAIN: (0.0, 1e5)}
+# Of torque over its ideal and flow over its own, in the median row; beyond it a unit is another.
+_EFFICIENCY = 0.3, 1.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,13 +191,20 @@ def _check(name: str, values: np.ndarray, header: str, lines: np.ndarray, source
 
 
 def _check_power(bench: Bench) -> None:
-    """Refuse a table whose motors give more than they take: a column or unit is another."""
+    """Refuse a table whose motors give more than they take, or lose most: a unit is another."""
     ratio = bench.load_torque * bench.speed / (bench.pressure * bench.flow)
     middle = float(np.median(ratio))
     torque = np.median(bench.load_torque / (bench.pressure * bench.displacement))
     flow = np.median(bench.displacement * bench.speed / bench.flow)
-    if not 0.02 < middle < 1.03 or torque > 1.03 or flow > 1.03:
+    low, high = _EFFICIENCY
+    if not (middle < high and low < torque < high and low < flow < high):
         raise InputError(
             f'{bench.source}: shaft power is {middle:.3g} times the hydraulic power in the median '
             f'row {bench.lines[np.argsort(ratio)[len(ratio) // 2]]} (torque/(P D) = {torque:.3g}, '
-            f'D speed/flow = {flow:.3g}; both expected below 1); check the units in the headers')
+            f'D speed/flow = {flow:.3g}; both expected from {low} to 1); check the units in the '
+            'headers')
+    if bench.drain is not None and np.nanmedian(bench.drain / bench.flow) > 1.0:
+        raise InputError(
+            f'{bench.source}: the case drain flow is {np.nanmedian(bench.drain / bench.flow):.3g} '
+            'times the supply flow in the median row, expected below 1; check the units in the '
+            'headers')

@@ -135,6 +135,9 @@ class Controller(DriveNode):
         self.settings.update(gains)
         if self._law:
             self._law.retune(gains.get('kp', self._law.kp), gains.get('ki', self._law.ki))
+        if gains:
+            self.get_logger().info(', '.join(f'{name} is {value:g} now'
+                                             for name, value in gains.items()))
 
     def _seconds(self, stamp: int | None = None) -> float:
         """Return the time of the supervisor: the step's, or one that no clock jump moves."""

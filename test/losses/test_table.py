@@ -3,7 +3,7 @@
 """A bench table that no motor can have measured."""
 from hst_drive.effects.oil import viscosity
 from hst_drive.errors import InputError
-from hst_drive.losses.table import bench_of, COLUMNS
+from hst_drive.losses.table import bench_of, COLUMNS, DRAIN
 import numpy as np
 import pytest
 
@@ -16,7 +16,7 @@ GOOD = {'motor_displacement': np.full(12, DISPLACEMENT), 'oil_temperature': np.f
 
 
 def read(columns):
-    assert set(columns) == set(COLUMNS)
+    assert {*COLUMNS} <= {*columns} <= {*COLUMNS, DRAIN}
     return bench_of(columns, {name: name for name in columns}, np.arange(12) + 2, {}, 'bench.csv',
                     lambda kelvin: viscosity(kelvin, 'ISO VG 46'))
 
@@ -29,8 +29,12 @@ def test_a_possible_table_is_read():
     {'load_torque': GOOD['motor_speed'], 'motor_speed': GOOD['load_torque']},
     {'supply_flow': 0.85 * GOOD['supply_flow']},
     {'load_torque': 1.2 * GOOD['load_torque']},
-], ids=['torque and speed swapped', 'less flow than the motor takes', 'more torque than P D'])
-def test_more_than_the_oil_brings_is_refused(change):
+    {'supply_flow': 3.785 * GOOD['supply_flow']},
+    {'motor_speed': GOOD['motor_speed'] * 2 * np.pi / 60},
+    {'case_drain_flow': 1.2 * GOOD['supply_flow']},
+], ids=['torque and speed swapped', 'less flow than the motor takes', 'more torque than P D',
+        'L/min as gpm', 'rad/s as rpm', 'more drain than flow'])
+def test_what_no_motor_does_is_refused(change):
     """Each efficiency counts alone: losses of the one must not hide gains of the other."""
     with pytest.raises(InputError, match='bench.csv: .*check the units'):
         read({**GOOD, **change})

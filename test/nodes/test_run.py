@@ -171,3 +171,15 @@ def test_a_run_needs_no_home(home, tmp_path, monkeypatch):
     code, _, err = run('run', 'paper_step', '-o', str(tmp_path / 'bag'), '--duration', '0.5')
     assert code == 0, err
     assert (tmp_path / 'bag' / 'metadata.yaml').is_file()
+
+
+def test_a_stop_by_the_controller_is_told(tmp_path):
+    """A set point that is too high, once: the run itself goes on to its end."""
+    scenario = tmp_path / 'fast.yaml'
+    scenario.write_text(
+        'title: too fast\nduration_s: 2\nspeed_setpoint: {kind: ramps, time_s: [0, 1], '
+        'speed_rpm: [0, 400]}\nload: {kind: constant, torque_N_m: 100}\n'
+        'oil_temperature: {temperature_degC: 50}\n', encoding='utf-8')
+    code, _, err = run('run', str(scenario), '-o', str(tmp_path / 'bag'))
+    assert code == 0, err
+    assert err.count('the controller stopped the drive: setpoint_invalid') == 1, err
