@@ -8,7 +8,7 @@ from typing import Any, Callable, Container
 from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
 from hst_drive.measure.run import Run
-from hst_drive.model.circuits import Balance
+from hst_drive.model.circuits import Balance, OF_A_LEAK
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -16,6 +16,7 @@ SLOWEST = 0.5           # s between rows: a longer step is a table of operating 
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
 _FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
+USUAL = 95.0            # percentile of a reading's size
 _BACKWARDS, _SELDOM = 0.02, 0.01     # of the greatest speed; of the rows
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
 _STROKES = ('pump_command', 'pump_displacement', FIXED_PUMP)
@@ -62,7 +63,7 @@ BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
              swept=True, without=(_FLOW,)),
     _balance('case drain', equations.case_drain, 'case_drain_flow', (_INLET, _SPEED),
              ('motor.leakage_L_min',), 'flow', _SWALLOWED, _BY_MOTOR, sign=-1.0,
-             id='case_drain_flow'),
+             id='case_drain_flow', sheet=OF_A_LEAK),
     _balance('return line', equations.return_line, 'motor_outlet_pressure', (_INLET, _SPEED),
              _DISPLACEMENT, 'torque', 'return line'),
     _balance('line', equations.line, 'pump_outlet_pressure', ('motor_inlet_pressure',),
@@ -121,6 +122,12 @@ def _given(rig: Rig, key: str) -> bool:
         # A pump that can be set stands anywhere: only its command, or its stroke, says where.
         return False
     return getattr(rig, section) is not None and (not name or name in getattr(rig, section).given)
+
+
+def untold(balance: Balance, values: np.ndarray) -> float:
+    """Return what no sheet tells of a balance whose signal has these values."""
+    known = np.abs(values[np.isfinite(values)])
+    return balance.sheet * float(np.percentile(known, USUAL)) if len(known) else 0.0
 
 
 def what_would_close(run: Run, rig: Rig) -> str:

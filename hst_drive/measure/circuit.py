@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import Any
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import is_table, lacking
+from hst_drive.measure.balances import is_table, lacking, untold
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
-from hst_drive.measure.part import PartReplay, USUAL
+from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.model.circuit_model import CircuitModel
@@ -168,13 +168,12 @@ class CircuitReplay(PartReplay):
 
     def floor(self, model: PartModel) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        found = super().floor(model)
-        for name, noise in found.items():
-            size = np.abs(self.run[name][self.counted(name)])
-            if len(size):
-                found[name] = float(np.hypot(
-                    noise, self._by_name[self.balances[name]].sheet * np.percentile(size, USUAL)))
-        return found
+        return {name: float(np.hypot(noise, self.untold(name)))
+                for name, noise in super().floor(model).items()}
+
+    def untold(self, name: str) -> float:
+        """Return by how much a signal is off because of what no sheet tells."""
+        return untold(self._by_name[self.balances[name]], self.run[name][self.counted(name)])
 
 
 def part_replay(run: Run, model: PartModel) -> PartReplay:

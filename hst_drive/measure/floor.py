@@ -17,10 +17,10 @@ def replay_floor(replay: Replay, drive: Drive,
     """
     Return the rmse, by signal, that a perfect model would still show.
 
-    Sensor noise, and what the part of the load torque that the smoothing misses, and commands
-    that no row shows, do to the replay: draws of them are replayed. Where no torque is
-    measured the roughness of the load is not known; then what varies faster than about a
-    second and is coloured counts as its work.
+    Sensor noise, what no sheet tells of a leakage, and what the part of the load torque that the
+    smoothing misses, and commands that no row shows, do to the replay: draws of them are replayed.
+    Where no torque is measured the roughness of the load is not known; then what varies faster
+    than about a second and is coloured counts as its work.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def replay_floor(replay: Replay, drive: Drive,
         Which samples are judged, all unless given.
 
     """
-    power = {name: replay.noise[name]**2 for name in replay.signals}
+    power = {name: replay.noise[name]**2 + replay.untold(name)**2 for name in replay.signals}
     if not replay.can_correct:
         given = replay.predict(drive)
         for name in replay.signals:

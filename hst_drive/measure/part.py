@@ -16,8 +16,7 @@ from typing import Any
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import (
-    BALANCES, closed, is_table, what_would_close)
+from hst_drive.measure.balances import BALANCES, closed, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
@@ -34,7 +33,6 @@ from scipy.ndimage import gaussian_filter1d
 
 _NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
-USUAL = 95.0            # percentile of a reading's size
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
 _CREEPING = 0.05
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
@@ -145,6 +143,10 @@ class PartReplay:
         """Whether the shaft turns both ways."""
         speed = self._channels.get('motor_speed', np.zeros(1))
         return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
+
+    def untold(self, name: str) -> float:
+        """Return by how much a signal is off because of what no sheet tells."""
+        return 0.0
 
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""

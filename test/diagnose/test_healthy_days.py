@@ -1,9 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Another day of a machine that is known well: by chance half of a log may look odd, not all."""
+"""Healthy machines that are not quite what is known of them."""
+from dataclasses import replace
 from test.truth import make_campaign
+from test.truth.sensors import STANDARD
 
-from bench.campaigns import run_of
+from bench.campaigns import as_runs, run_of
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.rig import parse_rig
 import numpy as np
@@ -29,3 +31,26 @@ def test_what_half_of_the_rows_show_by_chance_is_no_alarm(roughness, celsius):
         'conditions': {'oil_temperature_degC': [49.0, 51.0]}}}
     found = diagnose(parse_rig(sheet, 'unit'), [run_of(*log) for log in made.logs.items()])
     assert found.verdict == 'none'
+
+
+@pytest.mark.parametrize('power', [0.03, -0.03])
+def test_a_leakage_of_another_power_of_the_pressure_is_the_units(power):
+    """A good gauge of the case drain reads a leakage to one percent, a table has it to a few."""
+    found = _with_case_drain({}, power)
+    assert found.verdict == 'none'
+
+
+def test_gaps_that_open_under_pressure_are_still_seen_in_the_case_drain():
+    found = _with_case_drain({'elastic_leakage': {'size': 0.1, 'form': 'cubic_gap'}}, 0.0)
+    effect, = found.effects
+    stretch = effect.parameters['stretch']
+    assert effect.id == 'elastic_leakage' and stretch.low < 2.5e-9 < stretch.high
+
+
+def _with_case_drain(effects, power):
+    rig, logs, held_out = as_runs(make_campaign(
+        71, effects, channels=(*STANDARD, 'case_drain_flow'), on_datasheet=False, duration=40.0))
+    leak = rig.motor.leakage
+    other = leak.z * (np.maximum(leak.x, 1e5) / 1e7)[:, None]**-power
+    rig = replace(rig, motor=replace(rig.motor, leakage=replace(leak, z=other)))
+    return diagnose(rig, logs, held_out)

@@ -123,4 +123,3 @@ TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
 SWITCHES_AT = 5.0   # V: a higher command switches to the second displacement
 SIGN_SPEED = 0.01   # of the full speed, over which friction changes its sign
-LEAKS = 0.02        # of the leakage: its table is of one temperature, and of one unit's gaps

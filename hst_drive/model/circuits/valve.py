@@ -9,9 +9,9 @@ each; below 0 the other way. Signs as in ``closed``.
 import math
 
 from hst_drive.channels import LINES
-from hst_drive.model.circuits.base import Balance, Circuit, Input, Part, State
+from hst_drive.model.circuits.base import Balance, Circuit, Input, OF_A_LEAK, Part, State
 from hst_drive.model.circuits.motor_text import (
-    capacity, gear, LEAKS, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
+    capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.rig import Rig
@@ -164,6 +164,6 @@ CIRCUIT = Circuit(
                 needs=('motor_speed', *LINES), formula='formula_motor_flow', id='motor_flow'),
         Balance('case drain', 'case_drain_flow', 'flow', 'leakage of the hydromotor',
                 (Part('case_drain_flow'),), needs=('motor_speed', *LINES),
-                formula='formula_motor_flow', sheet=LEAKS),
+                formula='formula_motor_flow', sheet=OF_A_LEAK),
     ),
 )
