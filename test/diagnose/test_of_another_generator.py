@@ -75,3 +75,13 @@ def test_a_second_lag_that_no_error_shows_is_none(tmp_path):
     *logs, held_out = (read_log(tmp_path / f'{log}.csv') for log in (
         'drilling', 'open_loop', 'speed_sweep', 'drilling_holdout'))
     assert diagnose(load_rig(tmp_path / 'rig.yaml'), logs, [held_out]).verdict == 'none'
+
+
+@pytest.mark.needs_numba
+def test_a_load_that_hangs_behind_the_torque_sensor_is_a_constant_torque(tmp_path):
+    """The sensor reads it, so it is neither at the hydromotor's shaft nor in the reading."""
+    found = diagnose(*unseen(8633, tmp_path))
+    effect, = found.effects
+    torque = effect.parameters['torque']
+    assert effect.id == 'constant_torque' and torque.low < 6.2 < torque.high
+    assert effect.parameters['in_load'].value == 1.0
