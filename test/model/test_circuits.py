@@ -21,12 +21,7 @@ from scipy.optimize import brentq
 
 CLOSED = load_rig(share('config', 'rig', 'closed_rig.yaml'))
 BAR, L_MIN, CC_REV = 1e5, 1.0 / 60e3, 1e-6 / (2.0 * math.pi)
-VALVE = parse_rig({
-    'name': 'valve', 'circuit': 'valve', 'supply': {'pressure_bar': 210},
-    'valve': {'rated_flow_L_min': 60, 'rated_pressure_drop_bar': 35, 'lag_s': 0.02,
-              'opening_vs_command': {'command_V': [-10, 0, 10], 'opening': [-1, 0, 1]}},
-    'motor': {'displacement_cc_rev': 250, 'inertia_total_kg_m2': 2.0},
-    'line': {'volume_m3': 6e-4, 'bulk_modulus_Pa': 1.3e9}})
+VALVE = load_rig(share('config', 'rig', 'valve_rig.yaml'))
 COMMAND = {'closed': 'pump_command', 'valve': 'valve_command'}
 
 
@@ -86,13 +81,24 @@ def test_a_mirrored_command_mirrors_the_machine(rig):
 
 
 def test_steady_state_of_a_valve_by_hand():
-    """Two edges share what the load leaves of the supply: Q = Q_r * sqrt(dp/dp_r)."""
+    """Q = Q_r * sqrt(dp/dp_r) at each edge; friction and leakage of the sheet."""
     _, found = moved(VALVE, 5.0, 300.0)
-    speed, swept = found['motor_speed'][-1], 250 * CC_REV
-    load = 300.0 / swept / BAR
-    drop = (210.0 - load) / 2.0
-    assert speed * swept / L_MIN == pytest.approx(30.0 * math.sqrt(drop / 35.0), rel=2e-3)
-    assert found['line_b_pressure'][-1] / BAR == pytest.approx(drop, rel=5e-3)
+    gain, swept, leak = 60.0 * 4.6 / 9.6 / math.sqrt(35.0), 250 * CC_REV * BAR, 0.005
+
+    def pressures(speed):
+        """Return line A from the supply's edge, line B from the edge to the return, bar."""
+        turned = speed * swept / BAR / L_MIN
+        return (brentq(lambda a: gain * math.sqrt(210.0 - a) - turned - leak * a, 0.0, 210.0),
+                brentq(lambda b: gain * math.sqrt(b) - turned + leak * b, 0.0, 210.0))
+
+    def left(speed):
+        a, b = pressures(speed)
+        return 0.96 * (a - b) * swept - 10.0 - 0.4 * speed - 300.0
+
+    speed = brentq(left, 0.0, gain * math.sqrt(100.0) * L_MIN * BAR / swept)
+    assert found['motor_speed'][-1] == pytest.approx(speed, rel=1e-3)
+    assert [found[f'line_{line}_pressure'][-1] / BAR for line in 'ab'] == pytest.approx(
+        pressures(speed), rel=2e-3)
 
 
 @pytest.mark.parametrize('effect, channel, sign', [
