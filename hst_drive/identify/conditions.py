@@ -57,27 +57,29 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
-    thinner = _thinner(rig, runs)
-    wider = {key: float(np.hypot(value, _SPREAD * thinner)) if key in _GAPS else value
+    usual, most = _thinner(rig, runs)
+    # Both the power is not known, and one factor stands for all temperatures of these logs.
+    spread = np.hypot(_SPREAD * most, _POWER * (most - usual))
+    wider = {key: float(np.hypot(value, spread)) if key in _GAPS else value
              for key, value in sigmas.items()}
     shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
-    return Prior({key: float(np.exp(_POWER * thinner)) for key in _GAPS if key in sigmas}, wider, {
+    return Prior({key: float(np.exp(_POWER * usual)) for key in _GAPS if key in sigmas}, wider, {
         (one, other): value if one == other else value * shrunk[one] * shrunk[other]
         for (one, other), value in rig.fingerprint.correlation.items()})
 
 
-def _thinner(rig: Rig, runs: Sequence[Run]) -> float:
-    """Return by what factor (logarithm) the oil is thinner than any that was commissioned."""
+def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
+    """Return by what factor (log) oil is thinner than was commissioned: usually, and at most."""
     grade = rig.line.oil_grade if rig.line else ''
-    reach = _reach('oil_temperature', runs)
+    reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
             or grade not in GRADES or 'leakage_temperature' in rig.effects):
-        return 0.0
+        return 0.0, 0.0
     thick, thin = (float(np.log(viscosity(end, grade)))
                    for end in rig.fingerprint.conditions['oil_temperature'])
     now = np.log([viscosity(end, grade) for end in reach])
     beyond = np.clip(now, thin, thick) - now
-    return float(beyond[np.abs(beyond).argmax()])
+    return float(beyond[1]), float(beyond[np.abs(beyond).argmax()])
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
@@ -103,11 +105,10 @@ def conditions(runs: Sequence[Run]) -> dict[str, list[float]]:
 
 
 def _reach(channel: str, runs: Sequence[Run],
-           tails: tuple[float, float] = _TAILS) -> tuple[float, float] | None:
+           percentiles: Sequence[float] = _TAILS) -> tuple[float, ...] | None:
     """Return between which values a channel lies but for its tails; None if it is not there."""
     values = np.concatenate([run[channel] for run in runs if channel in run] or [np.empty(0)])
     values = values[np.isfinite(values)]
     if not len(values):
         return None
-    low, high = np.percentile(values, tails)
-    return float(low), float(high)
+    return tuple(map(float, np.percentile(values, percentiles)))

@@ -217,7 +217,10 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
     """
     if isinstance(drive, PartModel):
         part = part_replay(run, drive)
-        return _Aligned(part, 0.0, dict(part.predict(drive)), part.floor(drive))
+        # Where a balance tells nothing (a shut edge of a valve) it may give anything.
+        model = {name: np.where(part.counted(name), values, np.nan)
+                 for name, values in part.predict(drive).items()}
+        return _Aligned(part, 0.0, model, part.floor(drive))
     first = last = _replayed(run, drive, count, 0.0)
     measured = {name: np.where(count.samples, run[name], np.nan) for name in first.model
                 if np.isfinite(first.model[name])[count.samples & np.isfinite(run[name])].any()}
