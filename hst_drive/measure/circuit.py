@@ -168,12 +168,9 @@ class CircuitReplay(PartReplay):
 
     def floor(self, model: PartModel) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        return {name: float(np.hypot(noise, self.untold(name)))
-                for name, noise in super().floor(model).items()}
-
-    def untold(self, name: str) -> float:
-        """Return by how much a signal is off because of what no sheet tells."""
-        return untold(self._by_name[self.balances[name]], self.run[name][self.counted(name)])
+        return {name: float(np.hypot(noise, untold(
+            self._by_name[self.balances[name]], self.run[name])))
+            for name, noise in super().floor(model).items()}
 
 
 def part_replay(run: Run, model: PartModel) -> PartReplay:

@@ -3,6 +3,7 @@
 """The error that a perfect model would still show in a replay of the whole drive."""
 from __future__ import annotations
 
+from hst_drive.measure.balances import BALANCES, untold
 from hst_drive.measure.noise import estimate_coloured
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import DRAWS, Replay
@@ -32,7 +33,10 @@ def replay_floor(replay: Replay, drive: Drive,
         Which samples are judged, all unless given.
 
     """
-    power = {name: replay.noise[name]**2 + replay.untold(name)**2 for name in replay.signals}
+    power = {name: replay.noise[name]**2 for name in replay.signals}
+    drain = BALANCES['case drain']
+    if drain.signal in power:
+        power[drain.signal] += untold(drain, replay.run[drain.signal])**2
     if not replay.can_correct:
         given = replay.predict(drive)
         for name in replay.signals:

@@ -144,10 +144,6 @@ class PartReplay:
         speed = self._channels.get('motor_speed', np.zeros(1))
         return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
 
-    def untold(self, name: str) -> float:
-        """Return by how much a signal is off because of what no sheet tells."""
-        return 0.0
-
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""
         self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}

@@ -15,7 +15,6 @@ from typing import Iterator, Mapping
 
 from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import BALANCES, untold
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.noise import Coloured, estimate_coloured, rougher, Smoother
@@ -126,11 +125,6 @@ class Replay:
         self._prepare(drive)
         if 'motor_speed' in run:
             into_step(self, drive)
-
-    def untold(self, name: str) -> float:
-        """Return by how much a signal is off because of what no sheet tells: a leakage alone."""
-        drain = BALANCES['case drain']
-        return untold(drain, self.run[name]) if name == drain.signal else 0.0
 
     def turn(self, angle: float) -> None:
         """Let the shaft have stood further by an angle (rad) at the start."""
