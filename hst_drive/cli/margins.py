@@ -112,14 +112,14 @@ def _plants(rig: Rig, speeds: list[float],
 
 def _text(rig: str, kp: float, ki: float, points: list[tuple[float, float, Plant]],
           found: list[Margins]) -> str:
-    # A loop that is not stable has no margins: what a formula gives for them says nothing.
-    rows = [[speed / _RPM, load, entry.stable,
-             math.degrees(entry.phase_margin) if entry.stable else '-',
-             _decibel(entry.gain_margin) if entry.stable else '-',
-             entry.crossover / (2 * math.pi),
-             entry.resonance / (2 * math.pi), entry.resonance_damping,
-             _decibel(entry.resonance_gain), entry.sensitivity_peak if entry.stable else '-']
-            for (speed, load, _), entry in zip(points, found)]
+    rows = []
+    for (speed, load, _), entry in zip(points, found):
+        # A loop that is not stable has no margins: what a formula gives for them says nothing.
+        phase, gain, peak = (math.degrees(entry.phase_margin), _decibel(entry.gain_margin),
+                             entry.sensitivity_peak) if entry.stable else ('-', '-', '-')
+        rows.append([speed / _RPM, load, entry.stable, phase, gain,
+                     entry.crossover / (2 * math.pi), entry.resonance / (2 * math.pi),
+                     entry.resonance_damping, _decibel(entry.resonance_gain), peak])
     return (f'{rig}: kp {kp:g} V.s/rad, ki {ki:g} V/rad\n'
             + table(['rpm', 'load N.m', 'stable', 'phase deg', 'gain dB', 'crossover Hz',
                      'resonance Hz', 'damping', 'L at resonance dB', 'Ms'], rows)

@@ -203,8 +203,8 @@ def _check_power(bench: Bench) -> None:
             f'row {bench.lines[np.argsort(ratio)[len(ratio) // 2]]} (torque/(P D) = {torque:.3g}, '
             f'D speed/flow = {flow:.3g}; both expected from {low} to 1); check the units in the '
             'headers')
-    if bench.drain is not None and np.nanmedian(bench.drain / bench.flow) > 1.0:
+    drained = 0.0 if bench.drain is None else float(np.nanmedian(bench.drain / bench.flow))
+    if drained > 1.0:
         raise InputError(
-            f'{bench.source}: the case drain flow is {np.nanmedian(bench.drain / bench.flow):.3g} '
-            'times the supply flow in the median row, expected below 1; check the units in the '
-            'headers')
+            f'{bench.source}: the case drain flow is {drained:.3g} times the supply flow in the '
+            'median row, expected below 1; check the units in the headers')
