@@ -11,6 +11,7 @@ listing, page, documentation and tests follow from the declaration.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 import inspect
 import math
 from typing import Any, Callable, Collection, Mapping
@@ -209,6 +210,7 @@ class Effect:
         return next(entry for entry in self.parameters if entry.name == name)
 
 
+@lru_cache(maxsize=None)
 def arguments(function: Callable[..., Any]) -> tuple[str, ...]:
     """Return the names of a function's arguments, in order."""
     return tuple(inspect.signature(function).parameters)

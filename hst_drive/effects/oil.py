@@ -64,6 +64,32 @@ def walther(temperature, at_40_degc: float, at_100_degc: float):
     return (10.0**(10.0**double_log) - 0.7) * 1e-6
 
 
+def viscosity_ratio(temperature, reference: float, grade: str):
+    """
+    Return the viscosity over that at a reference temperature; 1 of an oil without a grade.
+
+    Parameters
+    ----------
+    temperature : float or ndarray
+        K.
+    reference : float
+        K.
+    grade : str
+        Key of ``GRADES``, or empty.
+
+    """
+    if not grade:
+        return np.ones(np.shape(temperature))
+    now = _at if np.ndim(temperature) == 0 else viscosity
+    return now(temperature, grade) / _at(reference, grade)
+
+
+@lru_cache(64)
+def _at(temperature: float, grade: str) -> float:
+    """Return the viscosity at a single temperature; a plant asks in each step."""
+    return float(viscosity(temperature, grade))
+
+
 @lru_cache(64)
 def _constants(at_40_degc: float, at_100_degc: float) -> tuple[float, float]:
     """Return Walther's a (at 40 degC) and b; a plant asks for them in each step."""

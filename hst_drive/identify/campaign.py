@@ -25,6 +25,7 @@ from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
+from hst_drive.measure.threads import each
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX, SCALED
 from hst_drive.rig import Rig
@@ -298,9 +299,9 @@ class Campaign:
         """
         drive = self.driver(model)
         fitted = [bool((part > 0).any()) for part in self._weights]
-        given = [replay.predict(drive)
-                 if (fit or not to_fit) and not (fit and known) else None
-                 for replay, fit in zip(self.replays, fitted)]
+        given = [*each(lambda entry: entry[0].predict(drive) if entry[1] else None, [
+            (replay, (fit or not to_fit) and not (fit and known))
+            for replay, fit in zip(self.replays, fitted)])]
         errors = []
         for place, column in enumerate(self.columns):
             measured = self.replays[column.log].run[column.signal]
@@ -309,7 +310,7 @@ class Campaign:
                 continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.
-            error = np.nan_to_num(error, nan=1e3, posinf=1e3, neginf=-1e3)
+            error[~np.isfinite(error)] = 1e3
             errors.append(means_where(error, np.isfinite(measured), self._shaking[column.log],
                                       self.replays[column.log].run.sample_time))
         return errors

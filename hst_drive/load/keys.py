@@ -143,6 +143,8 @@ class Keys:
         if len(found) > 1:
             raise self.fail(found[1][0], f"stands beside '{found[0][0]}'; keep one")
         if not found:
+            if expected != name and name in self.content:
+                raise self.fail(name, f"has no unit; did you mean '{expected}'?")
             return None, ''
         self._used.add(found[0][0])
         return found[0]

@@ -34,6 +34,7 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
+_KEPT = 6       # loads: those of a few models that are tried in turn
 DRAWS = 3       # of noise, for what it does to a replay
 _STAMPS = 1e-3  # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
@@ -101,11 +102,14 @@ class Replay:
             temperature = np.full(len(time), drive.rig.characterised_at)
         # The oil's temperature is slow: its sensor's noise is not part of the motion.
         width = max(1.0 / run.sample_time, 1.0)
-        self.inputs['oil_temperature'] = gaussian_filter1d(filled(temperature), width)
+        temperature = gaussian_filter1d(filled(temperature), width)
+        self.inputs |= {'oil_temperature': temperature,
+                        'viscosity_ratio': drive.viscosity_ratio(temperature)}
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
+        self._loads: tuple[tuple[tuple[bytes, bytes], dict[str, np.ndarray], np.ndarray], ...] = ()
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
         if self.torque and 'motor_speed' in run:
@@ -149,6 +153,7 @@ class Replay:
         """Find the noise, and the part of the load that the model does not explain."""
         self.can_correct = False
         self.simulated = True
+        self._loads = ()
         self.roughness = Coloured(0.0, 0.3, 0.0)
         run = self.run
         if self.torque:
@@ -164,15 +169,20 @@ class Replay:
         self._refine_noise(drive)
 
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
-        command = self._between.finer(self.inputs['pprv_command'], command=True)
+        speed = self._true_speed(drive) if speed is None else speed
+        # Most effects leave the load as it is: then it need not be found anew.
+        asked, inputs = (drive.load_key(), speed.tobytes()), self.inputs
+        for known, of, load in self._loads:
+            if known == asked and of is inputs:
+                return load
         time, speed, temperature = (self._between.finer(values) for values in (
-            self.run.time, self._true_speed(drive) if speed is None else speed,
-            self.inputs['oil_temperature']))
-        angle = self.inputs.get('motor_angle')
-        if angle is not None:
-            angle = self._between.finer(angle)
-        return self._between.at_rows(
-            drive.load_torque(time, command, speed, temperature, angle))
+            self.run.time, speed, inputs['oil_temperature']))
+        angle = inputs.get('motor_angle')
+        load = self._between.at_rows(drive.load_torque(
+            time, self._between.finer(inputs['pprv_command'], command=True), speed, temperature,
+            None if angle is None else self._between.finer(angle)))
+        self._loads = (*self._loads[1 - _KEPT:], (asked, inputs, load))
+        return load
 
     def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""

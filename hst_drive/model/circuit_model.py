@@ -3,12 +3,11 @@
 """A circuit with a rig's numbers: what moves in time, and what follows from measured signals."""
 from __future__ import annotations
 
-from functools import lru_cache
 import math
 from typing import Mapping
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.oil import viscosity
+from hst_drive.effects.oil import viscosity_ratio
 from hst_drive.errors import InputError
 from hst_drive.model.circuit_code import code_of, Running
 from hst_drive.model.circuits import circuit_of
@@ -158,17 +157,10 @@ class CircuitModel(PartModel):
         return np.array([self.parameter(entry.start) if entry.start else 0.0
                          for entry in self.circuit.states])
 
-    def viscosity_ratio(self, temperature: np.ndarray | float) -> np.ndarray | float:
+    def viscosity_ratio(self, temperature: np.ndarray | float) -> np.ndarray:
         """Return the oil's viscosity over that at which the tables were measured."""
-        grade = self.rig.line.oil_grade if self.rig.line else ''
-        if not grade:
-            return np.ones(np.shape(temperature))
-        return viscosity(temperature, grade) / _at_tables(self.rig.characterised_at, grade)
-
-
-@lru_cache(maxsize=8)
-def _at_tables(temperature: float, grade: str) -> float:
-    return float(viscosity(temperature, grade))
+        return viscosity_ratio(temperature, self.rig.characterised_at,
+                               self.rig.line.oil_grade if self.rig.line else '')
 
 
 def part_model(rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,

@@ -9,9 +9,9 @@ from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, flexible, left_out
 from hst_drive.effects.base import arguments
-from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.effects.oil import GRADES, viscosity_ratio
 from hst_drive.errors import InputError
-from hst_drive.model.compose import kernel, OUTPUTS, STATES
+from hst_drive.model.compose import kernel, LOAD, OUTPUTS, read_by, STATES
 from hst_drive.model.parameters import baseline_parameters, baseline_tables, INDEX, SCALED
 from hst_drive.rig import Rig
 import numpy as np
@@ -91,8 +91,6 @@ class Drive:
         if rig.line.oil_grade not in GRADES:
             raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
                              f'{", ".join(GRADES)}')
-        self._oil = b'', np.empty(0)    # temperatures asked for last, viscosity ratios
-        self._table_viscosity = viscosity(rig.characterised_at, rig.line.oil_grade)
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
@@ -160,8 +158,9 @@ class Drive:
             self.parameters[INDEX[SCALED[key]]] *= factor
 
     def viscosity_ratio(self, oil_temperature):
-        """Return the oil's viscosity over the one at which the tables were measured."""
-        return viscosity(oil_temperature, self.rig.line.oil_grade) / self._table_viscosity
+        """Return the oil's viscosity over that at which the tables were measured."""
+        return viscosity_ratio(oil_temperature, self.rig.characterised_at,
+                               self.rig.line.oil_grade)
 
     def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
                     oil_temperature: np.ndarray,
@@ -179,6 +178,12 @@ class Drive:
               for values in (time, pprv_command, motor_speed, oil_temperature, motor_angle)),
             self.parameters, self.switches, *self._fresh_tables(), out)
         return out
+
+    def load_key(self) -> bytes:
+        """Return what ``load_torque`` hangs on but for its arguments: the same, the same load."""
+        places, switches = read_by(self.kernel.source, LOAD)
+        return b''.join([self.parameters[places].tobytes(), self.switches[switches].tobytes(),
+                         self.tables[0].tobytes()])
 
     def initial_state(self, *, pump_command: float = 0.0, pprv_command: float = 0.0,
                       pressure: float | None = None, speed: float = 0.0) -> np.ndarray:
@@ -220,9 +225,9 @@ class Drive:
             s, strictly rising.
         inputs : mapping of str to ndarray, shape (n,)
             'pump_command', 'pprv_command' (V), 'oil_temperature' (K, by default that of the
-            tables), 'load_disturbance' (N.m, by default none) and 'motor_angle' (rad, by default
-            integrated). Commands hold until the next
-            sample; the disturbance moves on a straight line.
+            tables), its 'viscosity_ratio' where that is known, 'load_disturbance' (N.m, by
+            default none) and 'motor_angle' (rad, by default integrated). Commands hold until the
+            next sample; the disturbance moves on a straight line.
         state : ndarray, optional
             Where to start; at the end it holds the last state. By default at rest.
 
@@ -237,37 +242,21 @@ class Drive:
         n = len(time)
         commands = [np.ascontiguousarray(inputs[name], dtype=float)
                     for name in ('pump_command', 'pprv_command')]
-        temperature = inputs.get('oil_temperature')
-        if temperature is None:
-            temperature, ratio = np.full(n, self.rig.characterised_at), np.ones(n)
-        else:
-            temperature = np.ascontiguousarray(temperature, dtype=float)
-            ratio = self._ratio(temperature)
-        disturbance = inputs.get('load_disturbance')
-        if disturbance is None:
-            disturbance = np.zeros(n)
-        angle = inputs.get('motor_angle')
-        if angle is None:
-            angle = np.full(n, np.nan)
+        known = {'oil_temperature': np.full(n, self.rig.characterised_at),
+                 'load_disturbance': np.zeros(n), 'motor_angle': np.full(n, np.nan), **inputs}
+        if 'viscosity_ratio' not in known:
+            known['viscosity_ratio'] = self.viscosity_ratio(known['oil_temperature'])
+        others = [np.ascontiguousarray(known[name], dtype=float) for name in (
+            'oil_temperature', 'viscosity_ratio', 'load_disturbance', 'motor_angle')]
         if state is None:
             state = self.initial_state(pump_command=commands[0][0], pprv_command=commands[1][0])
         out = np.empty((n, len(OUTPUTS)))
         self.kernel.simulate(
-            time, *commands, temperature, ratio,
-            *(np.ascontiguousarray(values, dtype=float) for values in (disturbance, angle)), state,
-            self.parameters, self.switches, *self._fresh_tables(), self.max_step, out)
+            time, *commands, *others, state, self.parameters, self.switches,
+            *self._fresh_tables(), self.max_step, out)
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}
         readings['motor_torque'] = readings['load_torque']
         return readings
-
-    def _ratio(self, temperature: np.ndarray) -> np.ndarray:
-        """Return the viscosity ratio; a plant asks in each step, and oil warms slowly."""
-        if len(temperature) > 2:
-            return self.viscosity_ratio(temperature)
-        asked = temperature.tobytes()
-        if asked != self._oil[0]:
-            self._oil = asked, self.viscosity_ratio(temperature)
-        return self._oil[1]
 
     def _fresh_tables(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the tables for one call, which notes there in which cells it looked last."""
@@ -294,6 +283,7 @@ class Drive:
         if oil_temperature is None:
             oil_temperature = self.rig.characterised_at
         inputs = {'pump_command': pump_command, 'pprv_command': pprv_command,
-                  'oil_temperature': oil_temperature, 'load_disturbance': disturbance}
+                  'oil_temperature': oil_temperature, 'load_disturbance': disturbance,
+                  'viscosity_ratio': self.viscosity_ratio(oil_temperature)}
         return self.simulate(np.array([0.0, duration]),
                              {name: np.full(2, value) for name, value in inputs.items()}, state)

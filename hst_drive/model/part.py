@@ -15,7 +15,7 @@ import math
 from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, READABLE
-from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity
+from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity_ratio
 from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
@@ -111,8 +111,8 @@ class PartModel:
                      bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
                      * self.factor('line.bulk_modulus'), oil_density=oil.oil_density or DENSITY)
         if 'oil_temperature' in known and oil.oil_grade and 'viscosity_ratio' not in known:
-            found['viscosity_ratio'] = (viscosity(known['oil_temperature'], oil.oil_grade)
-                                        / viscosity(rig.characterised_at, oil.oil_grade))
+            found['viscosity_ratio'] = viscosity_ratio(
+                known['oil_temperature'], rig.characterised_at, oil.oil_grade)
         if rig.relief_valve is not None:
             found['relief_pressure'] = rig.relief_valve.set_pressure
             found['rated_pressure'] = rig.relief_valve.set_pressure

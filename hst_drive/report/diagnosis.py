@@ -54,7 +54,8 @@ def _effects(result: Diagnosis) -> str:
             (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
             rows.append([entry.id if place == 0 else '', parameter.name, middle,
                          not_known(value.low, value.high, parameter) or f'{low} to {high}', unit,
-                         f'{100 * entry.error_removed:.0f} %' if place == 0 else ''])
+                         '' if place else f'{100 * entry.error_removed:.0f} %'
+                         if entry.error_removed else MISSING])
     return table(['effect', 'parameter', 'value', '95 % interval', 'unit', 'error removed'], rows)
 
 

@@ -97,7 +97,7 @@ def effect_card(found: dict) -> Markup:
         table(['parameter', 'size', '95 % interval', 'unit', 'meaning'], rows,
               f'Size of {effect.id}'),
         element('p', f'It removes {100 * removed:.0f} % of the held-out error above the noise.')
-        if removed is not None else '',
+        if removed else '',
         element('p', 'These logs cannot tell it from ', element('strong', ', '.join(rivals)), '.',
                 class_='warning') if rivals else '',
         element('p', element('b', 'What the data look like: '), effect.telltale),
