@@ -14,7 +14,7 @@ from hst_drive.measure.closed_loop import closed_loop_signals, command_floor, co
 from hst_drive.measure.errors import ErrorSummary, Moments, summarise
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
-from hst_drive.measure.kept_replay import KeptReplay
+from hst_drive.measure.replay import Replay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import (
@@ -203,7 +203,7 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
 class _Aligned(NamedTuple):
     """A replay, the delay (s) by which its commands were moved, its signals and their floors."""
 
-    replay: KeptReplay | PartReplay
+    replay: Replay | PartReplay
     shift: float
     model: dict[str, np.ndarray]
     floor: dict[str, float]
@@ -244,7 +244,7 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
 
 
 def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
-    replay = KeptReplay(run, drive)
+    replay = Replay(run, drive)
     model = {name: np.where(replay.counted(name) | ~np.isfinite(run[name]), values, np.nan)
              for name, values in replay.predict(drive).items()}
     return _Aligned(replay, shift, model, replay_floor(replay, drive, count=count.samples))

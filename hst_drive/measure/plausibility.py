@@ -19,6 +19,7 @@ from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.signs import swapped
 from hst_drive.rig import Rig
 import numpy as np
+from scipy import ndimage
 
 _BLOCK = 2.0            # s over which readings are taken together
 _FEW = 8                # blocks: fewer tell nothing
@@ -97,10 +98,10 @@ def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
     ``sure``: only by one that no loss and no badly calibrated sensor makes.
     """
     found = []
-    temperature = run.channels.get('oil_temperature')
-    if temperature is not None and (_median(temperature) > _HOTTEST
-                                    or _median(temperature) < _COLDEST):
-        found.append(f'oil_temperature is {_median(temperature) - 273.15:.0f} degC in the median, '
+    oil = run.channels.get('oil_temperature', np.empty(0))
+    usual = float(np.median(oil[np.isfinite(oil)])) if np.isfinite(oil).any() else np.nan
+    if usual > _HOTTEST or usual < _COLDEST:
+        found.append(f'oil_temperature is {usual - 273.15:.0f} degC in the median, '
                      'which no oil is (degC, K or degF taken for each other?)')
     found += [line for group in _groups(rig, run) for line in _factor(group, sure)]
     if not found and is_part(run, rig) and (line := swapped(rig, run)):
@@ -122,11 +123,13 @@ def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
 
 def _groups(rig: Rig, run: Run) -> list[Group]:
     """Return the sensors that rig and recording give."""
-    changes = np.flatnonzero(np.diff((run.time - run.time[0]) // _BLOCK)) + 1
-    edges = [0, *changes.tolist(), len(run)]
+    number = np.unique((run.time - run.time[0]) // _BLOCK, return_inverse=True)[1]
+    every = np.arange(number[-1] + 1)
 
     def blocks(values: np.ndarray) -> np.ndarray:
-        return np.array([_median(values[a:b]) for a, b in zip(edges, edges[1:])])
+        good = np.isfinite(values)
+        found = ndimage.median(values, np.where(good, number, -1), every)
+        return np.where(np.bincount(number[good], minlength=len(every)) > 0, found, np.nan)
 
     pump, motor = rig.pump, rig.motor
     size = motor.displacement if motor else 0.0
@@ -156,7 +159,7 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
             usual = np.abs(pressure if torque is None else torque / size)
             load[name] = pressure * size * motor.mechanical_efficiency(
                 usual, np.abs(turning) / size)
-    if len(edges) <= _FEW:
+    if len(every) < _FEW:
         return []
     conditions = [blocks(run[name]) for name in COMMANDS if name in run]
     if 'oil_temperature' in run:
@@ -174,11 +177,6 @@ def _loading_unit(rig: Rig) -> LoadingUnit | None:
         return LoadingUnit.of(rig.loading) if rig.loading else None
     except ValueError:      # a table that gives no command for a torque: no sensor
         return None
-
-
-def _median(values: np.ndarray) -> float:
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) if len(finite) else np.nan
 
 
 def _ratio(a: np.ndarray, b: np.ndarray) -> float:

@@ -10,7 +10,6 @@ from hst_drive.measure.run import Run
 from hst_drive.rig.rig import Sensor
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter, savgol_filter
 
 _LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what rounding makes
 _COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
@@ -70,6 +69,8 @@ class Readings:
     def as_read(self, name: str, model: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
         """Let the model lag as the reading does, and hold it where that is at its range's end."""
         if lag := self.lags.get(name):
+            from scipy.signal import lfilter    # here: few need it, and it loads for a second
+
             share = -np.expm1(-self.run.sample_time / lag)
             model = lfilter([share], [1.0, share - 1.0], model, zi=[(1.0 - share) * model[0]])[0]
         measured, (low, high) = self.run[name][rows], self.at_ends(name, rows)
@@ -86,6 +87,8 @@ class Readings:
         half = min(max(round(_LAG_SHARE * lag / step), 2), (len(values) - 1) // 2)
         if half < 2:
             return values
+        from scipy.signal import savgol_filter  # here: few need it, and it loads for a second
+
         return values + lag * savgol_filter(values, 2 * half + 1, 4, deriv=1, delta=step)
 
     def slow(self, values: np.ndarray) -> np.ndarray:

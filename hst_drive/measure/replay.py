@@ -11,7 +11,7 @@ does not reach the sensor noise; ``replay_floor`` is what it would reach.
 from __future__ import annotations
 
 import copy
-from typing import Iterator, Mapping
+from typing import Any, Callable, Iterator, Mapping
 
 from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
@@ -34,10 +34,27 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
-_KEPT = 6       # loads: those of a few models that are tried in turn
+_LOADS, _REPLAYS = 6, 2     # that are kept: of models that are tried in turn
 DRAWS = 3       # of noise, for what it does to a replay
+_LONG = 600.0   # s: of so long a recording one will do
 _STAMPS = 1e-3  # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
+
+
+class _Kept:
+    """What was found last, by what it hangs on: numbers, and objects that stay as they are."""
+
+    def __init__(self, most: int):
+        self._most = most
+        self._entries: tuple[tuple[bytes, tuple, Any], ...] = ()
+
+    def get(self, numbers: bytes, objects: tuple, find: Callable[[], Any]) -> Any:
+        for known, of, value in self._entries:
+            if known == numbers and all(one is other for one, other in zip(of, objects)):
+                return value
+        value = find()
+        self._entries = (*self._entries[1 - self._most:], (numbers, objects, value))
+        return value
 
 
 class Replay:
@@ -109,7 +126,7 @@ class Replay:
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
-        self._loads: tuple[tuple[tuple[bytes, bytes], dict[str, np.ndarray], np.ndarray], ...] = ()
+        self._loads, self._predicted = _Kept(_LOADS), _Kept(_REPLAYS)
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
         if self.torque and 'motor_speed' in run:
@@ -153,7 +170,6 @@ class Replay:
         """Find the noise, and the part of the load that the model does not explain."""
         self.can_correct = False
         self.simulated = True
-        self._loads = ()
         self.roughness = Coloured(0.0, 0.3, 0.0)
         run = self.run
         if self.torque:
@@ -170,19 +186,17 @@ class Replay:
 
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         speed = self._true_speed(drive) if speed is None else speed
-        # Most effects leave the load as it is: then it need not be found anew.
-        asked, inputs = (drive.load_key(), speed.tobytes()), self.inputs
-        for known, of, load in self._loads:
-            if known == asked and of is inputs:
-                return load
-        time, speed, temperature = (self._between.finer(values) for values in (
-            self.run.time, speed, inputs['oil_temperature']))
-        angle = inputs.get('motor_angle')
-        load = self._between.at_rows(drive.load_torque(
-            time, self._between.finer(inputs['pprv_command'], command=True), speed, temperature,
-            None if angle is None else self._between.finer(angle)))
-        self._loads = (*self._loads[1 - _KEPT:], (asked, inputs, load))
-        return load
+        between, inputs = self._between, self.inputs
+
+        def load() -> np.ndarray:
+            angle = inputs.get('motor_angle')
+            return between.at_rows(drive.load_torque(
+                between.finer(self.run.time), between.finer(inputs['pprv_command'], command=True),
+                between.finer(speed), between.finer(inputs['oil_temperature']),
+                None if angle is None else between.finer(angle)))
+
+        # Most effects leave the load as it is.
+        return self._loads.get(drive.load_key() + speed.tobytes(), (inputs, between), load)
 
     def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""
@@ -349,6 +363,14 @@ class Replay:
             Commands in place of the recorded ones, V.
 
         """
+        if extra is not None or commands:
+            return self._predict(drive, extra, commands)
+        return dict(self._predicted.get(
+            drive.key(), (self.inputs, self.readings, self._between, self.roughness, self.signals),
+            lambda: self._predict(drive, extra, commands)))
+
+    def _predict(self, drive: Drive, extra: np.ndarray | None,
+                 commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         load = self._load_model(drive) if self.can_correct else None
         signals = {}
         if self.simulated:
@@ -373,11 +395,15 @@ class Replay:
         known[::steps] = np.isfinite(self.run[self.torque])
         return Smoother(time, self.roughness, known)
 
+    @property
+    def _draws(self) -> int:
+        return DRAWS if self.run.time[-1] - self.run.time[0] < _LONG else 1
+
     def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
         """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
         shaft = self._shaft(drive)
         smoother, steps = self._finely(), self._between.steps
-        for _ in range(DRAWS):
+        for _ in range(self._draws):
             yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
                 self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
 
@@ -388,5 +414,5 @@ class Replay:
         for missed in self._missed(drive, random):
             moved = self.predict(drive, missed)
             part = slice(None) if count is None else count
-            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / DRAWS
+            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / self._draws
                    for name in self.signals if name != self.torque}

@@ -179,6 +179,11 @@ class Drive:
             self.parameters, self.switches, *self._fresh_tables(), out)
         return out
 
+    def key(self) -> bytes:
+        """Return the numbers that its motion hangs on: the same, the same drive."""
+        return b''.join([self.parameters.tobytes(), self.switches.tobytes(),
+                         self.tables[0].tobytes()])
+
     def load_key(self) -> bytes:
         """Return what ``load_torque`` hangs on but for its arguments: the same, the same load."""
         places, switches = read_by(self.kernel.source, LOAD)
