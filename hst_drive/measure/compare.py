@@ -14,8 +14,8 @@ from hst_drive.measure.closed_loop import closed_loop_signals, command_floor, co
 from hst_drive.measure.errors import ErrorSummary, Moments, summarise
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
-from hst_drive.measure.replay import Replay
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.measure.useful import (
     missing_rows, refuse_other_circuit, refuse_starved, refuse_still, refuse_unjudged)
