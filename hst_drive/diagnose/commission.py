@@ -125,7 +125,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         if found.verdict != 'none':
             raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
                              'Mend or adopt that first, or leave the log out')
-    campaign = campaign_of(within, runs).of_logs(lambda log: True, all_to_fit=True)
+    campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '

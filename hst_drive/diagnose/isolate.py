@@ -96,12 +96,11 @@ def _parts(campaign: Campaign) -> list[Entry]:
     displacement = campaign.drive.motor_displacement
     found = {}
     for replay in campaign.replays:
-        for signal, balance in replay.balances.items():
-            entry = replay.place(balance)
+        for signal, entry in replay.balances.items():
             reads = _read(entry, isinstance(replay, CircuitReplay))
             sign = entry.sign * (displacement if entry.swept else 1.0)
             found[signal] = Entry(entry.place, entry.enters, signal, entry.unit,
-                                  {signal: 1.0 / sign}, reads, entry.formula, balance, sign)
+                                  {signal: 1.0 / sign}, reads, entry.formula, entry.name, sign)
     return list(found.values())
 
 
@@ -215,7 +214,7 @@ def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> n
     except InputError:
         return None
     signal = next((name for name, balance in replay.balances.items()
-                   if balance == place.balance), None)
+                   if balance.name == place.balance), None)
     if signal is None or replay.static:
         return None
     own = campaign.replays[index].inputs.get('motor_angle')

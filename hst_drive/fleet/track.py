@@ -85,7 +85,7 @@ def track(rig: Rig, runs: Sequence[Run],
 
 
 def _sizes(rig: Rig, runs: Sequence[Run], effects: Mapping[str, Mapping[str, float]]) -> Sizes:
-    campaign = campaign_of(rig, runs).of_logs(lambda log: True, all_to_fit=True)
+    campaign = campaign_of(rig, runs).of_logs(all_to_fit=True)
     campaign.signed = True
     known = {name: dict(values) for name, values in effects.items()
              if not campaign.out_of_reach(name)}

@@ -20,9 +20,8 @@ from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
-from hst_drive.measure.floor import replay_floor
-from hst_drive.measure.judged import judged
-from hst_drive.measure.oscillation import means_where, shaking
+from hst_drive.measure.circuit import replay_of
+from hst_drive.measure.oscillation import means_where
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.measure.threads import each
@@ -95,36 +94,25 @@ class Campaign:
             key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
         self.adopted = rig.effects
         self.drive = self._model()
-        self.replays = [self._replay(run.slower(self.finest)) for run in (*runs, *holdout)]
-        self.usable = [self._usable(replay) for replay in self.replays]
+        self.replays = [replay_of(run.slower(self.finest), self.drive)
+                        for run in (*runs, *holdout)]
+        self.usable = [replay.usable for replay in self.replays]
         self.judge = self.drive
-        self.floors = self._floors()
+        self.floors = self._floors(self.drive)
         self._own_floors: dict[str, list[dict[str, float]]] = {}    # by model
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._weights = [
             np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
-        self._shaking = [self._shakes(replay) for replay in self.replays]
+        self._shaking = [replay.shakes for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._weights)
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
 
-    def _replay(self, run: Run):
-        return Replay(run, self.drive)
-
-    @staticmethod
-    def _usable(replay) -> np.ndarray:
-        return judged(replay.run).samples
-
-    @staticmethod
-    def _shakes(replay) -> np.ndarray:
-        return shaking(replay.run)
-
-    def _floors(self) -> list[dict[str, float]]:
-        return [replay_floor(replay, self.judge, count=usable)
-                for replay, usable in zip(self.replays, self.usable)]
+    def _floors(self, judge) -> list[dict[str, float]]:
+        return [replay.floor(judge, usable) for replay, usable in zip(self.replays, self.usable)]
 
     @property
     def own_past(self) -> bool:
@@ -235,14 +223,20 @@ class Campaign:
         part[time < SETTLE] = 0
         return part
 
-    def of_logs(self, wanted: Callable[[int], bool], all_to_fit: bool = False) -> Campaign:
+    def _changed(self, **attributes) -> Campaign:
+        """Return a campaign that differs in some attributes; the others are shared."""
+        other = copy.copy(self)
+        vars(other).update(attributes, _own_floors={})
+        if {'floors', '_weights'} & {*attributes}:
+            other.columns = columns(other.replays, other.floors, other._weights)
+        return other
+
+    def of_logs(self, wanted: Callable[[int], bool] = lambda log: True,
+                all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
-        part = copy.copy(self)
-        part._own_floors = {}
-        part._weights = [(np.abs(weight) if all_to_fit else weight) * wanted(log)
-                         for log, weight in enumerate(self._weights)]
-        part.columns = columns(self.replays, self.floors, part._weights)
-        return part
+        return self._changed(_weights=[
+            (np.abs(weight) if all_to_fit else weight) * wanted(log)
+            for log, weight in enumerate(self._weights)])
 
     def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
         """Return the campaign that sizes are taken from, for a model that leaves these errors."""
@@ -250,19 +244,14 @@ class Campaign:
 
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""
-        other = copy.copy(self)
-        other._own_floors = {}
-        other.replays = [copy.copy(replay) for replay in self.replays]
-        return other
+        return self._changed(replays=[copy.copy(replay) for replay in self.replays])
 
     def of_load(self) -> Campaign:
         """Return a campaign of the torque alone, which asks for no simulation (``Replay``)."""
-        part = self.copied()
-        part.replays = [replay.of_load() for replay in self.replays]
-        part.columns = [column for column in self.columns
-                        if column.signal in part.replays[column.log].signals]
-        part.signals = tuple({column.signal for column in part.columns})
-        return part
+        replays = [replay.of_load() for replay in self.replays]
+        kept = [column for column in self.columns if column.signal in replays[column.log].signals]
+        return self._changed(replays=replays, columns=kept,
+                             signals=tuple({column.signal for column in kept}))
 
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
@@ -277,17 +266,12 @@ class Campaign:
         """Return the floors, log by log, of a drive that is as this model says."""
         key = repr(model)
         if key not in self._own_floors:
-            own = copy.copy(self)
-            own.judge = self.driver(model)
-            self._own_floors[key] = own._floors()
+            self._own_floors[key] = self._floors(self.driver(model))
         return self._own_floors[key]
 
     def judging(self, model: Model) -> Campaign:
         """Return the campaign with the floors of a drive that is as this model says."""
-        own = copy.copy(self)
-        own.judge, own.floors = self.driver(model), self.floors_of(model)
-        own.columns = columns(self.replays, own.floors, self._weights)
-        return own
+        return self._changed(judge=self.driver(model), floors=self.floors_of(model))
 
     def errors(self, model: Model, *, to_fit: bool = False,
                known: Sequence[np.ndarray] | None = None) -> list[np.ndarray]:

@@ -10,10 +10,8 @@ from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import (
     BLOCK, Campaign, ELSEWHERE, Model, SETTLE)
-from hst_drive.identify.columns import columns
 from hst_drive.identify.observable import unread
 from hst_drive.measure.balances import is_part
-from hst_drive.measure.circuit import part_replay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
@@ -88,21 +86,6 @@ class PartCampaign(Campaign):
     def _model(self) -> PartModel:
         return part_model(self.rig)
 
-    def _replay(self, run: Run) -> PartReplay:
-        return part_replay(run, self.drive)
-
-    @staticmethod
-    def _usable(replay: PartReplay) -> np.ndarray:
-        return np.ones(len(replay.run), dtype=bool)
-
-    @staticmethod
-    def _shakes(replay: PartReplay) -> np.ndarray:
-        # Parts follow what was measured of the others: nothing drifts out of step.
-        return np.zeros(len(replay.run), dtype=bool)
-
-    def _floors(self) -> list[dict[str, float]]:
-        return [replay.floor(self.judge) for replay in self.replays]
-
     @staticmethod
     def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
         time = replay.run.time - replay.run.time[0]
@@ -123,11 +106,9 @@ class PartCampaign(Campaign):
         the rows with the slowest signals would tell all. Logs named to judge on stay out.
         """
         left = self.ratios(errors, held_out=True)
-        own = self.of_logs(lambda log: True, all_to_fit=not self._named)
-        own.floors = [{name: floor * max(left.get(name, 1.0), 1.0)
-                       for name, floor in floors.items()} for floors in self.floors]
-        own.columns = columns(own.replays, own.floors, own._weights)
-        return own
+        return self.of_logs(all_to_fit=not self._named)._changed(floors=[
+            {name: floor * max(left.get(name, 1.0), 1.0) for name, floor in floors.items()}
+            for floors in self.floors])
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""

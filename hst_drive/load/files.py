@@ -73,8 +73,8 @@ def load_scenario(source: str | Path, rig: Rig | None = None,
             raise InputError(f'{place}: cannot be read ({error.strerror}); check the path') \
                 from None
         except UnicodeDecodeError:
-            raise InputError(f'{place}: is not a text file in UTF-8; expected a CSV (a bag is the log of '
-                             "the scenario 'recorded')") from None
+            raise InputError(f'{place}: is not a text file in UTF-8; expected a CSV (a bag '
+                             "is the log of the scenario 'recorded')") from None
 
     def read_recording(name: str | None, mapping: str | None) -> Recording:
         asked.append(name)

@@ -71,26 +71,27 @@ BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
 )}
 
 
-def closed(run: Run, rig: Rig) -> dict[str, str]:
+def closed(run: Run, rig: Rig) -> dict[str, Balance]:
     """
     Return the signals that the other channels predict, each with its balance.
 
     Where pump and hydromotor could both predict the flow, the pump does, and the measured flow
     predicts the speed.
     """
-    found: dict[str, str] = {}
+    found: dict[str, Balance] = {}
     for balance in BALANCES.values():
         if lacking(balance, run, rig):
             continue
         signal = balance.channels(run)[0]
-        if balance.name == 'hydromotor speed' and found.get('motor_inlet_flow') != 'pump flow':
+        if balance.name == 'hydromotor speed' and (
+                found.get('motor_inlet_flow') is not BALANCES['pump flow']):
             continue
         if balance.name == 'line' and not ('motor_inlet_flow' in run or 'motor_speed' in run):
             continue
         if balance.name == 'return line' and not _returns(run):
             continue
         if signal not in found:
-            found[signal] = balance.name
+            found[signal] = balance
     return found
 
 

@@ -16,7 +16,9 @@ from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
+from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.model import Drive
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
@@ -40,7 +42,6 @@ class CircuitReplay(PartReplay):
     """
 
     def __init__(self, run: Run, model: CircuitModel):
-        self._by_name = {entry.name: entry for entry in model.circuit.balances}
         self._judged: dict[str, np.ndarray] = {}
         self._ratio: np.ndarray | None = None
         super().__init__(run, model)
@@ -50,10 +51,6 @@ class CircuitReplay(PartReplay):
         if between.steps > 1:
             self._fill_in(model, between)
         self.doubts = self._doubts(model)
-
-    def place(self, name: str) -> Balance:
-        """Return the balance of that name."""
-        return self._by_name[name]
 
     def _fill_in(self, model: CircuitModel, between: Between) -> None:
         """Let commands move between the rows of a slow record, unless held ones fit better."""
@@ -89,17 +86,17 @@ class CircuitReplay(PartReplay):
         return {name: np.hypot(values - found[1][name], values - found[2][name])
                 for name, values in found[0].items()}
 
-    def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
+    def _closed(self, run: Run, model: PartModel) -> dict[str, Balance]:
         assert isinstance(model, CircuitModel)
         if is_table(run):
             raise InputError(
                 f'{run.source}: its rows are operating points, {run.sample_time:.3g} s apart; '
                 f"'circuit: {model.circuit.id}' needs a recording with 20 rows a second or more")
         found, lacks = {}, []
-        for balance in self._by_name.values():
+        for balance in model.circuit.balances:
             missing = lacking(balance, run, model.rig)
             if not missing:
-                found[balance.signal] = balance.name
+                found[balance.signal] = balance
             lacks.append((len(missing), f'{balance.name} lacks {", ".join(missing)}'))
         if not found:
             have = ', '.join(run.channels) or 'none but time'
@@ -113,9 +110,9 @@ class CircuitReplay(PartReplay):
         self._judged = {name: rows[name] for name in judged}
         return judged
 
-    def _where(self, run: Run, model: CircuitModel, name: str) -> np.ndarray:
+    def _where(self, run: Run, model: CircuitModel, balance: Balance) -> np.ndarray:
         """Say in which rows a balance is judged: what it hangs on is true."""
-        needed = [part.when for part in self._by_name[name].parts]
+        needed = [part.when for part in balance.parts]
         if not all(needed):
             return np.ones(len(run), dtype=bool)
         known = {key: filled(values, hold=CHANNELS[key].hold == 'zero')
@@ -129,14 +126,14 @@ class CircuitReplay(PartReplay):
         return minimum_filter1d(simple.astype(np.int8), width) > 0
 
     def _unjudged(self, name: str) -> np.ndarray | bool:
-        balance = self._by_name[self.balances[name]]
+        balance = self.balances[name]
         if balance.enters == 'torque' and any(part.state for part in balance.parts):
             creeps = np.abs(self._channels['motor_speed']) <= self._creeping
             return creeps | ~self._judged[name]
         return ~self._judged[name]
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
-        part = self._by_name[self.balances[name]].parts[0]
+        part = self.balances[name].parts[0]
         if not part.state:
             return 0.0, ''
         found = self._told(model, self._channels)
@@ -166,14 +163,14 @@ class CircuitReplay(PartReplay):
         return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
                     self._behind(model, channels), before)
 
-    def floor(self, model: PartModel) -> dict[str, float]:
+    def floor(self, model: PartModel, count: np.ndarray | None = None) -> dict[str, float]:
         """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        return {name: float(np.hypot(noise, untold(
-            self._by_name[self.balances[name]], self.run[name])))
-            for name, noise in super().floor(model).items()}
+        return {name: float(np.hypot(noise, untold(self.balances[name], self.run[name])))
+                for name, noise in super().floor(model).items()}
 
 
-def part_replay(run: Run, model: PartModel) -> PartReplay:
-    """Return the replay of a log that goes with a model (``part_model``)."""
-    return CircuitReplay(run, model) if isinstance(model, CircuitModel) else PartReplay(
-        run, model)
+def replay_of(run: Run, model: Drive | PartModel) -> Replay | PartReplay:
+    """Return the replay of a log that goes with a model."""
+    kind = (Replay if isinstance(model, Drive) else
+            CircuitReplay if isinstance(model, CircuitModel) else PartReplay)
+    return kind(run, model)

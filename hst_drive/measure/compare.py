@@ -9,10 +9,9 @@ from typing import NamedTuple, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
-from hst_drive.measure.circuit import part_replay
+from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.closed_loop import closed_loop_signals, command_floor, command_noise
 from hst_drive.measure.errors import ErrorSummary, Moments, summarise
-from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
@@ -209,19 +208,15 @@ class _Aligned(NamedTuple):
     floor: dict[str, float]
 
 
-def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
+def _aligned(run: Run, drive: Drive | PartModel, count: Judged) -> _Aligned:
     """
     Return the replay of a log with its commands moved to the stamps of the readings.
 
     The stamps of the readings stay. The slope tells a long delay too short: look again.
     """
-    if isinstance(drive, PartModel):
-        part = part_replay(run, drive)
-        # Where a balance tells nothing (a shut edge of a valve) it may give anything.
-        model = {name: np.where(part.counted(name), values, np.nan)
-                 for name, values in part.predict(drive).items()}
-        return _Aligned(part, 0.0, model, part.floor(drive))
     first = last = _replayed(run, drive, count, 0.0)
+    if isinstance(drive, PartModel):
+        return first
     measured = {name: np.where(count.samples, run[name], np.nan) for name in first.model
                 if np.isfinite(first.model[name])[count.samples & np.isfinite(run[name])].any()}
     power = []
@@ -243,11 +238,13 @@ def _aligned(run: Run, drive: Drive, count: Judged) -> _Aligned:
     return last if power[-1] < _MENDED * power[0] else first
 
 
-def _replayed(run: Run, drive: Drive, count: Judged, shift: float) -> _Aligned:
-    replay = Replay(run, drive)
-    model = {name: np.where(replay.counted(name) | ~np.isfinite(run[name]), values, np.nan)
+def _replayed(run: Run, drive: Drive | PartModel, count: Judged, shift: float) -> _Aligned:
+    replay = replay_of(run, drive)
+    # A simulation goes on where nothing was read; a balance may give anything there.
+    gaps = {name: isinstance(drive, Drive) & ~np.isfinite(run[name]) for name in replay.signals}
+    model = {name: np.where(replay.counted(name) | gaps[name], values, np.nan)
              for name, values in replay.predict(drive).items()}
-    return _Aligned(replay, shift, model, replay_floor(replay, drive, count=count.samples))
+    return _Aligned(replay, shift, model, replay.floor(drive, count.samples))
 
 
 def _common(delays: dict[str, float]) -> float:

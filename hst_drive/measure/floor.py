@@ -3,12 +3,16 @@
 """The error that a perfect model would still show in a replay of the whole drive."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from hst_drive.measure.balances import BALANCES, untold
 from hst_drive.measure.noise import estimate_coloured
 from hst_drive.measure.readings import filled
-from hst_drive.measure.replay import DRAWS, Replay
 from hst_drive.model import Drive
 import numpy as np
+
+if TYPE_CHECKING:
+    from hst_drive.measure.replay import Replay
 
 _EVENT = 2.0    # s
 
@@ -66,11 +70,11 @@ def _of_guesses(replay: Replay, drive: Drive) -> dict[str, float]:
     block = np.unique(((time - time[0]) / _EVENT).astype(int), return_inverse=True)[1]
     count = np.bincount(block)
     power = dict.fromkeys(base, 0.0)
-    for _ in range(DRAWS):
+    for _ in range(replay.draws):
         moved = replay.predict(drive, commands={
             name: steps.draw(random) for name, steps in replay.steps.items()})
         for name in base:
             shift = np.nan_to_num(moved[name] - base[name])
             # One large step that no row shows is an event, not a floor for the whole log.
-            power[name] += float(np.median(np.bincount(block, shift**2) / count)) / DRAWS
+            power[name] += float(np.median(np.bincount(block, shift**2) / count)) / replay.draws
     return power

@@ -16,7 +16,7 @@ from typing import Any
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import BALANCES, closed, is_table, USUAL, what_would_close
+from hst_drive.measure.balances import closed, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
@@ -54,8 +54,8 @@ class PartReplay:
     ----------
     run : Run
         The log; signals of balances with a rate are smoothed as the prediction is.
-    balances : dict of str to str
-        Predicted signal to the balance that predicts it.
+    balances : dict of str to Balance
+        The balance that predicts each signal.
     static : bool
         Whether the rows are operating points; then ``run.time`` counts them.
     noise : dict of str to float
@@ -86,7 +86,6 @@ class PartReplay:
             run = replace(run, time=np.arange(len(run), dtype=float))
         self.run = run
         self.signals = tuple(self.balances)
-        self.inputs: dict[str, np.ndarray] = {}
         self.stamps = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
         self.unsure = 0.0
         self._missing = np.zeros(len(run), dtype=bool)
@@ -118,21 +117,27 @@ class PartReplay:
         if 'motor_angle' in self.inputs:
             into_step(self, model)
 
-    def _closed(self, run: Run, model: PartModel) -> dict[str, str]:
+    def _closed(self, run: Run, model: PartModel) -> dict[str, Balance]:
         """Return which balance predicts each signal; raise InputError if none does."""
         found = closed(run, model.rig)
         if not found:
             raise InputError(what_would_close(run, model.rig))
         return found
 
-    def place(self, name: str) -> Balance:
-        """Return the balance of that name."""
-        return BALANCES[name]
-
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
         return next((float(np.percentile(np.abs(self._channels[name]), USUAL))
                      for name in names if name in self._channels), 0.0)
+
+    @property
+    def usable(self) -> np.ndarray:
+        """Where a model is judged: everywhere."""
+        return np.ones(len(self.run), dtype=bool)
+
+    @property
+    def shakes(self) -> np.ndarray:
+        """Nowhere: what follows the measured rest does not drift out of step."""
+        return ~self.usable
 
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""
@@ -198,7 +203,7 @@ class PartReplay:
             return float(len(found))
 
         for _ in range(2):
-            found.append(predicted(self.place(self.balances[name]), model, known, self._channels,
+            found.append(predicted(self.balances[name], model, known, self._channels,
                                    Weak(self.run.time, np.asarray, rate)))
         return float(np.median(np.abs(found[1] - found[0]))), source
 
@@ -248,7 +253,7 @@ class PartReplay:
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
         known = self._told(model, channels)
         return {name: np.broadcast_to(predicted(
-            self.place(balance), model, known, channels, self._weak(name)), len(self.run))
+            balance, model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
 
     def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
@@ -260,7 +265,7 @@ class PartReplay:
         return Weak(None if self.static else self.run.time, partial(self._smooth, name=name),
                     partial(self._rate, name=name))
 
-    def floor(self, model: PartModel) -> dict[str, float]:
+    def floor(self, model: PartModel, count: np.ndarray | None = None) -> dict[str, float]:
         """Return the rmse, by signal, that a perfect model would show: sensors' noise alone."""
         random = np.random.default_rng(0)
         base = self.predict(model)

@@ -17,7 +17,10 @@ from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
+from hst_drive.measure.floor import replay_floor
+from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, rougher, Smoother
+from hst_drive.measure.oscillation import shaking
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import Behind, behind, load_side
@@ -277,6 +280,20 @@ class Replay:
         """Where friction and load share the torque as no law tells, so that it is not judged."""
         return np.abs(self._speed) <= self._creeping
 
+    @property
+    def usable(self) -> np.ndarray:
+        """Where a model of the whole drive is judged."""
+        return judged(self.run).samples
+
+    @property
+    def shakes(self) -> np.ndarray:
+        """Where the drive shakes by itself, so that means over some periods are compared."""
+        return shaking(self.run)
+
+    def floor(self, drive: Drive, count: np.ndarray | None = None) -> dict[str, float]:
+        """Return the rmse, by signal, that a perfect model would still show (``floor``)."""
+        return replay_floor(self, drive, count)
+
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""
         valid = np.isfinite(self.run[name])
@@ -396,14 +413,15 @@ class Replay:
         return Smoother(time, self.roughness, known)
 
     @property
-    def _draws(self) -> int:
+    def draws(self) -> int:
+        """How often noise is drawn, for what it does to the replay."""
         return DRAWS if self.run.time[-1] - self.run.time[0] < _LONG else 1
 
     def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
         """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
         shaft = self._shaft(drive)
         smoother, steps = self._finely(), self._between.steps
-        for _ in range(self._draws):
+        for _ in range(self.draws):
             yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
                 self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
 
@@ -414,5 +432,5 @@ class Replay:
         for missed in self._missed(drive, random):
             moved = self.predict(drive, missed)
             part = slice(None) if count is None else count
-            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / self._draws
+            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / self.draws
                    for name in self.signals if name != self.torque}

@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Iterator
 
 from hst_drive.channels import LINES, PRESSURES, TORQUES
-from hst_drive.measure.circuit import part_replay
+from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
@@ -81,7 +81,7 @@ def _left(run: Run, model: PartModel, faulty: bool = False) -> float:
 
     ``faulty``: with the zero and the scale of a torque free.
     """
-    replay = part_replay(run, model)
+    replay = replay_of(run, model)
     predicted, worst = replay.predict(model), 0.0
     for name, balance in replay.balances.items():
         rows = replay.counted(name)
@@ -90,9 +90,9 @@ def _left(run: Run, model: PartModel, faulty: bool = False) -> float:
             continue
         ideal = predicted[name][rows] / size
         error = replay.run[name][rows] / size - ideal
-        if balance in _LOSSES:
+        if balance.name in _LOSSES:
             speed = np.nan_to_num(run[_SPEED][rows])
-            brakes = _LOSSES[balance] * np.sign(speed)
+            brakes = _LOSSES[balance.name] * np.sign(speed)
             columns = np.column_stack([brakes * np.abs(ideal), brakes, brakes * np.abs(speed),
                                        ideal, np.ones(len(ideal)), error])
             high = [_MOST, np.inf, np.inf, *([_OFF, np.inf] if faulty else [1e-9, 1e-9])]

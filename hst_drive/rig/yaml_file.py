@@ -53,7 +53,8 @@ def read_yaml(path: str | Path) -> dict:
     except OSError as error:
         raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
     except UnicodeDecodeError:
-        raise InputError(f'{path}: is not a text file in UTF-8; expected YAML; save it as UTF-8') from None
+        raise InputError(f'{path}: is not a text file in UTF-8; expected YAML; save it as '
+                         'UTF-8') from None
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         mark = getattr(error, 'problem_mark', None)
         line = f' line {mark.line + 1}:' if mark else ''

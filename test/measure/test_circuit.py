@@ -8,7 +8,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import ELSEWHERE
 from hst_drive.identify.part import campaign_of
-from hst_drive.measure.circuit import part_replay
+from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.compare import compare, model_of
 from hst_drive.rig import load_rig
 import numpy as np
@@ -48,7 +48,7 @@ def test_channels_that_close_nothing_are_told(healthy):
     run = logs['drilling']
     poor = type(run)('poor', run.time, {'motor_speed': run['motor_speed']}, 'poor.csv')
     with pytest.raises(InputError, match="poor.csv: its channels .* close no balance of 'circuit"):
-        part_replay(poor, model_of(rig, [run]))
+        replay_of(poor, model_of(rig, [run]))
 
 
 def test_what_a_circuit_has_not_is_no_gap_of_its_logs(healthy):
@@ -63,7 +63,7 @@ def test_without_a_torque_sensor_the_flows_are_judged(healthy):
     rig, logs, _ = healthy
     run = logs['reverse']
     kept = {name: values for name, values in run.channels.items() if name != 'motor_torque'}
-    replay = part_replay(type(run)('bare', run.time, kept, 'bare.csv'), model_of(rig, [run]))
+    replay = replay_of(type(run)('bare', run.time, kept, 'bare.csv'), model_of(rig, [run]))
     assert 'motor_torque' not in replay.signals and 'motor_speed' in replay.signals
     both = replay.predict(model_of(rig, [run]))['motor_speed']
     forth, back = run['motor_speed'] > 5.0, run['motor_speed'] < -5.0
@@ -99,7 +99,7 @@ def test_a_play_shows_where_the_torque_changes_its_sign(tmp_path):
                                 'gear_backlash=0.71', '--seed', '7002')
     run = logs['sweep']
     without = model_of(rig, [run])
-    replay = part_replay(run, without)
+    replay = replay_of(run, without)
     play = without.changed({'gear_backlash': {
         'angle': truth['si_parameters']['play'], 'band': 100.0}}, {})
     late = run.time > 1.0
@@ -120,7 +120,7 @@ def test_where_the_equations_jump_nothing_is_judged(aerated):
     """A charge pump that falls short for a moment, by a noisy speed, empties no line."""
     rig, logs, _ = aerated
     run = logs['sweep']
-    replay = part_replay(run, model_of(rig, [run]))
+    replay = replay_of(run, model_of(rig, [run]))
     predicted = replay.predict(model_of(rig, [run]))
     for name in ('charge_pressure', 'line_a_pressure', 'line_b_pressure'):
         worst = np.nanmax(np.abs(predicted[name] - replay.run[name]))
