@@ -15,7 +15,7 @@ from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.linearised import squared_slopes
 from hst_drive.measure.readings import filled
-from hst_drive.model.drive import Drive, turned
+from hst_drive.model.drive import Drive
 import numpy as np
 from scipy.signal import lfilter
 
@@ -96,9 +96,7 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
             found[f'{name}_creep'] = raw - lfilter(
                 [share], [1, share - 1], raw, zi=[(1 - share) * raw[0]])[0]
     if 'motor_speed' in run:
-        angle = replay.inputs.get('motor_angle')
-        if angle is None:
-            angle = turned(run.time, SPEED * found['motor_speed'])
+        angle = replay.inputs['motor_angle']
         found['motor_angle_cos'], found['motor_angle_sin'] = np.cos(angle), np.sin(angle)
     return found
 
@@ -199,20 +197,14 @@ def regress(data: Samples, wanted: Callable[[str], bool]) -> tuple[list[dict], f
         return [], 0.0
     matrix = np.column_stack([columns[name] for name in chosen])
     fitted = np.linalg.lstsq(matrix, values, rcond=None)[0]
-    spread = _spread(matrix, values, fitted, data.block)
+    # Standard deviations, blocks as clusters.
+    inverse = np.linalg.pinv(matrix.T @ matrix)
+    middle = squared_slopes(matrix, values - matrix @ fitted, data.block)
+    spread = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
     terms = [{'variables': list(product), 'coefficient': float(value),
               'low': float(value - 1.96 * deviation), 'high': float(value + 1.96 * deviation)}
              for product, value, deviation in zip(chosen, fitted, spread)]
     return terms, 1 - error / whole
-
-
-def _spread(matrix: np.ndarray, values: np.ndarray, fitted: np.ndarray,
-            block: np.ndarray) -> np.ndarray:
-    """Return standard deviations of the coefficients, blocks as clusters."""
-    left = values - matrix @ fitted
-    inverse = np.linalg.pinv(matrix.T @ matrix)
-    meat = squared_slopes(matrix, left, block)
-    return np.sqrt(np.maximum(np.diag(inverse @ meat @ inverse), 0.0))
 
 
 def expression(place: Entry, terms: Sequence[dict]) -> str:

@@ -11,7 +11,7 @@ where the evidence is for the free one the name is wrong (``better``).
 """
 from __future__ import annotations
 
-from typing import Callable, Container, Iterator, NamedTuple, Sequence
+from typing import Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
@@ -188,18 +188,14 @@ def _answered(search: Search, fitted: Fit, timing: Timing) -> Trial:
     """Fit a timing, and the unit, in turn."""
     campaign, number = search.campaign, 0.0
     for _ in range(_ROUNDS):
-        number = minimize_scalar(_cost_of(campaign, fitted.model, timing), bounds=timing.bounds,
-                                 method='bounded', options={'xatol': timing.resolved}).x
+        def cost(trial: float, model: Model = fitted.model) -> float:
+            changed = with_timing(campaign, timing, trial)
+            return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
+
+        number = minimize_scalar(cost, bounds=timing.bounds, method='bounded',
+                                 options={'xatol': timing.resolved}).x
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
                      known=search.base.columns)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
                                        (timing.depends_on,), timing.where + what))
-
-
-def _cost_of(campaign: Campaign, model: Model, timing: Timing) -> Callable[[float], float]:
-    def cost(number: float) -> float:
-        changed = with_timing(campaign, timing, number)
-        return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
-
-    return cost

@@ -41,6 +41,8 @@ DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass 
 CREDIBLE, STRONG = log(1000.0), log(20.0)
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
+# The prior of what is not listed: each order of magnitude from what curves are off.
+_ANY_SIZE = np.where(_SIZES >= _BASELINE, -np.log(np.sum(_SIZES >= _BASELINE)), -np.inf)
 _EDGES = np.array([0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf])
 
 
@@ -238,7 +240,7 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
         formula = likely + _as_share(signal, entry.share)
         alone += _added(formula)
         # Each signal shows it or does not.
-        beside += _added([*formula, *(likely + _of_any_size())]) - float(np.log(2.0))
+        beside += _added([*formula, *(likely + _ANY_SIZE)]) - float(np.log(2.0))
     # What is not listed and was fitted is one more of as many.
     count = len(entry.effects) - entry.known + (not entry.listed)
     before = entry.penalty - count * float(np.log(max(candidates, 1)))
@@ -269,12 +271,6 @@ def _as_share(signal: Signal, share: float) -> np.ndarray:
     """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
     scale = float(np.hypot(_BASELINE, share * signal.moved))
     return np.asarray(np.log(np.diff(erf(_EDGES / (np.sqrt(2.0) * scale))) + 1e-300))
-
-
-def _of_any_size() -> np.ndarray:
-    """Return the same of what is not listed: each order of magnitude from what curves are off."""
-    possible = _SIZES >= _BASELINE
-    return np.where(possible, -np.log(possible.sum()), -np.inf)
 
 
 def decided(found: Probability, verdict: str,

@@ -9,14 +9,12 @@ block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, TYPE_CHECKING
+from typing import Mapping, NamedTuple
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import Fit
 import numpy as np
-
-if TYPE_CHECKING:
-    from hst_drive.identify.fit import Fit
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
 AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left

@@ -129,11 +129,11 @@ class Search:
 
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""
-        score = self.score(found)
+        total = self.score(found)
         if ended(self.campaign, found.model, names):
             # A shape at the end of its range stands for another effect.
-            score = max(score, self.baseline.score)
-        return Candidate(names, found, score)
+            total = max(total, self.baseline.score)
+        return Candidate(names, found, total)
 
     def whole(self, candidate: Candidate) -> Candidate:
         """Return a candidate with the Jacobian of its fit, formed anew where it was dropped."""

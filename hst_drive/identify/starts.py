@@ -9,7 +9,7 @@ from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import fit
 from hst_drive.identify.linearised import Linearised
-from hst_drive.identify.orders import strongest_orders
+from hst_drive.identify.phases import strongest_orders
 import numpy as np
 
 _ALIKE = 1e-3   # of the cost: two starts that differ by less lead to the same place

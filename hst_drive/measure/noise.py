@@ -211,12 +211,12 @@ class Smoother:
         s, strictly rising.
     coloured : Coloured
         What is assumed.
-    valid : ndarray of bool, shape (n,), optional
-        Samples that count; by default all.
+    valid : ndarray of bool, shape (n,)
+        Samples that count.
 
     """
 
-    def __init__(self, time: np.ndarray, coloured: Coloured, valid: np.ndarray | None = None):
+    def __init__(self, time: np.ndarray, coloured: Coloured, valid: np.ndarray):
         variance = max(coloured.std**2, 1e-12)
         noise = max(coloured.noise_std**2, 1e-12)
         decay = np.exp(-np.diff(time) / coloured.time_constant)
@@ -225,15 +225,12 @@ class Smoother:
         diagonal[0] = 1 / variance
         diagonal[1:] = 1 / innovation
         diagonal[:-1] += decay**2 / innovation
-        weight = np.full(len(time), 1 / noise)
-        if valid is not None:
-            weight = np.where(valid, weight, 0.0)
-        self._weight = weight
+        self._weight = np.where(valid, 1 / noise, 0.0)
         # A straight line between samples misses a bridge; its mean has this deviation.
         self._bridge = np.sqrt(np.append(innovation, innovation[-1]) / 12.0)
         self._negligible = coloured.std <= 1e-6
         self._factor = cholesky_banded(
-            np.array([np.concatenate([[0.0], -decay / innovation]), diagonal + weight]))
+            np.array([np.concatenate([[0.0], -decay / innovation]), diagonal + self._weight]))
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Return the estimate, shape (n,)."""

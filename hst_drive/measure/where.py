@@ -12,6 +12,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 _BINS = 8
+_MOST = 8           # regions, the most telling first
 _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',
               'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
 # A region says something if the odds of the error to lie there are so many times those of the
@@ -59,8 +60,8 @@ def unit_of(variable: str) -> str:
 
 
 def where(errors: Mapping[str, Sequence[np.ndarray]],
-          variables: Mapping[str, Sequence[np.ndarray]], floors: Mapping[str, float],
-          most: int = 8) -> list[Region]:
+          variables: Mapping[str, Sequence[np.ndarray]],
+          floors: Mapping[str, float]) -> list[Region]:
     """
     Find the regions that hold the error; none where it is spread over the whole range.
 
@@ -72,8 +73,6 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
         What the error may depend on, one array per log.
     floors : mapping of str to float
         Rmse by signal that a perfect model would show.
-    most : int
-        How many regions to return at most, the most telling first.
 
     """
     regions = []
@@ -93,7 +92,7 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
                 telling = region.explained + region.share_of_error - region.share_of_time
                 regions.append((telling * (power / floors[signal]**2)**0.25, region))
     regions.sort(key=lambda item: -item[0])
-    return [region for _, region in regions[:most]]
+    return [region for _, region in regions[:_MOST]]
 
 
 def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -> Region | None:

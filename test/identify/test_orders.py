@@ -5,7 +5,7 @@ import math
 
 from bench.campaigns import as_runs
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.orders import strongest_orders
+from hst_drive.identify.phases import strongest_orders
 from hst_drive.identify.search import Search
 import pytest
 

@@ -144,7 +144,7 @@ def test_drawn_errors_have_the_posterior_covariance(dense):
 
 
 def test_nothing_to_smooth():
-    smoother = Smoother(TIME, Coloured(0.0, 0.3, 0.5))
+    smoother = Smoother(TIME, Coloured(0.0, 0.3, 0.5), np.full(len(TIME), True))
     assert not smoother(np.ones(6000)).any()
     assert not smoother.draw_error(np.random.default_rng(1)).any()
 
