@@ -14,8 +14,10 @@ from dataclasses import replace
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.result import Value
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
+from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
@@ -26,7 +28,7 @@ from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
-from hst_drive.rig import parse_rig
+from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.fingerprint import SECTION
 from hst_drive.units import from_si
 import numpy as np
@@ -34,6 +36,7 @@ import numpy as np
 # Share of the make's tolerance, one sigma: units of a make differ by wear, by what they were made
 # like and by their oil; one unit differs from itself the next day by a tenth of that.
 DAY_TO_DAY = 0.1
+OIL_LAW = 'leakage_temperature'     # how a machine's leakage goes with its oil: no fault
 _SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
 _LESS = 0.5         # of a quantity, that no unit of a make lacks
 _TOLD = 0.5         # of the squared tolerance: with more left the logs told nothing
@@ -111,9 +114,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         If something is missing in the model of these logs, or they tell nothing.
 
     """
-    made = parse_rig(rig, source)
-    within = replace(made, tolerances={key: _as_ratio(value)
-                                       for key, value in made.tolerances.items()})
+    made, within = _of_make(rig, source)
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
         found = diagnose(within, [run], progress=progress)
@@ -122,7 +123,11 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             found = diagnose(within, runs, progress=progress)
             if found.verdict == 'none':
                 break
-        if found.verdict != 'none':
+        if [entry.id for entry in found.effects] == [OIL_LAW] and found.verdict != 'unknown':
+            law = _with_prior(found.effects[0].parameters['exponent'])
+            rig = {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {'exponent': law}}}
+            made, within = _of_make(rig, source)
+        elif found.verdict != 'none':
             raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
                              'Mend or adopt that first, or leave the log out')
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
@@ -144,7 +149,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     factors = {**made.calibration,
                **{key: made.calibration.get(key, 1.0) * float(np.exp(value))
                   for key, value in fitted.model.factors.items()}}
-    unit = deepcopy(rig)
+    unit = deepcopy(rig)    # with the law of its oil
     unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
     correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)
     unit[SECTION] = {
@@ -162,6 +167,19 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         Quantity(key, factors[key], float(sigma), float(tolerance),
                  _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
         for key, sigma, tolerance in zip(names, sigmas, make)), day_to_day, from_logs)
+
+
+def _of_make(rig: dict, source: str) -> tuple[Rig, Rig]:
+    """Return the rig of a file, and with limits within which its units are healthy."""
+    made = parse_rig(rig, source)
+    return made, replace(made, tolerances={key: _as_ratio(value)
+                                           for key, value in made.tolerances.items()})
+
+
+def _with_prior(power: Value) -> float:
+    """Return what a fitted power of the viscosity is with what is known of any gap."""
+    precision = np.array([POWER_SIGMA, (power.high - power.low) / 3.92])**-2.0
+    return float(f'{precision @ [POWER, power.value] / precision.sum():.3g}')
 
 
 def _as_ratio(tolerance: float) -> float:

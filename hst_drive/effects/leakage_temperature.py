@@ -7,6 +7,10 @@ Warm oil is thin: the leakage of the tables, measured at one temperature, grows 
 """
 from hst_drive.effects.base import Effect, Parameter
 
+# What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
+# gaps): the middle, and one standard deviation where any is as plausible.
+POWER, POWER_SIGMA = 0.5, 12.0**-0.5
+
 
 def pump_flow_loss(pump_leakage, viscosity_ratio, exponent):
     """Return what the pump leaks beyond its table, m^3/s; less than nothing in cold oil."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.measure.run import CHANNELS, Run
 from hst_drive.rig import Rig
@@ -16,10 +17,7 @@ import numpy as np
 _TAILS = (5.0, 95.0)    # percent of the readings: what a log visits now and then is no condition
 # Beyond what was commissioned: a share of the highest value there, and K for temperatures.
 _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
-# What passes through gaps goes with the power 0 to 1 of the oil's viscosity (0: orifices, 1:
-# laminar gaps): mean and deviation of a number anywhere between.
 _GAPS = ('pump.leakage', 'motor.leakage')
-_POWER, _SPREAD = 0.5, 12.0**-0.5
 
 
 class Outside(NamedTuple):
@@ -51,35 +49,33 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     """
     Return what is known of the unit's factors, beside ``rig.calibration``.
 
-    Where the oil is warmer or colder than a machine was commissioned for, its leakages are known
-    no better than the power with which they follow the viscosity.
+    Where the oil is warmer or colder than it usually was when a machine was commissioned, its
+    leakages are known no better than the power with which they follow the viscosity.
     """
     sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
     usual, most = _thinner(rig, runs)
     # Both the power is not known, and one factor stands for all temperatures of these logs.
-    spread = np.hypot(_SPREAD * most, _POWER * (most - usual))
+    spread = np.hypot(POWER_SIGMA * most, POWER * (most - usual))
     wider = {key: float(np.hypot(value, spread)) if key in _GAPS else value
              for key, value in sigmas.items()}
     shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
-    return Prior({key: float(np.exp(_POWER * usual)) for key in _GAPS if key in sigmas}, wider, {
+    return Prior({key: float(np.exp(POWER * usual)) for key in _GAPS if key in sigmas}, wider, {
         (one, other): value if one == other else value * shrunk[one] * shrunk[other]
         for (one, other), value in rig.fingerprint.correlation.items()})
 
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
-    """Return by what factor (log) oil is thinner than was commissioned: usually, and at most."""
+    """Return by what factor (log) oil is thinner than when learnt: usually, and at most."""
     grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
             or grade not in GRADES or 'leakage_temperature' in rig.effects):
         return 0.0, 0.0
-    thick, thin = (float(np.log(viscosity(end, grade)))
-                   for end in rig.fingerprint.conditions['oil_temperature'])
-    now = np.log([viscosity(end, grade) for end in reach])
-    beyond = np.clip(now, thin, thick) - now
-    return float(beyond[1]), float(beyond[np.abs(beyond).argmax()])
+    learnt = np.clip(rig.characterised_at, *rig.fingerprint.conditions['oil_temperature'])
+    thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))
+    return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
