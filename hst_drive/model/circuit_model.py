@@ -163,8 +163,6 @@ class CircuitModel(PartModel):
                                self.rig.line.oil_grade if self.rig.line else '')
 
 
-def part_model(rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
-               factors: Mapping[str, float] | None = None) -> PartModel:
+def part_model(rig: Rig) -> PartModel:
     """Return the model that judges a log balance by balance: of its circuit, or of a part."""
-    kind = PartModel if circuit_of(rig) is None else CircuitModel
-    return kind(rig, effects, factors)
+    return PartModel(rig) if circuit_of(rig) is None else CircuitModel(rig)

@@ -7,12 +7,11 @@ import math
 from typing import Callable, NamedTuple
 
 from hst_drive.errors import InputError
-from hst_drive.model.compose import CONSTANTS, STATES
+from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import Drive
 from hst_drive.model.parameters import INDEX
 import numpy as np
 
-STEADY_STATES = ('displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure')
 _SCALES = np.array([1e-7, 1e5, 0.1, 1e5])
 _MOMENT = 1e-4      # s: the state's rate is the change over so short a time
 
@@ -29,17 +28,15 @@ class OperatingPoint(NamedTuple):
 
 class LinearModel(NamedTuple):
     """
-    Motion about an operating point, ``dx/dt = A x + B u``, ``y = C x + D u``.
+    Motion about an operating point, ``dx/dt = A x + B u``, ``y = C x``.
 
-    States ``STEADY_STATES``; inputs pump command (V) and PPRV command (V); output hydromotor
-    speed (rad/s).
+    States: the first four of ``STATES``; inputs pump command (V) and PPRV command (V); output
+    hydromotor speed (rad/s).
     """
 
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
-    d: np.ndarray
-    states: tuple[str, ...]
 
 
 def root(function: Callable[[float], float], low: float, high: float,
@@ -180,8 +177,7 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     state = point.state[:4]
     commands = np.array([point.pump_command, point.pprv_command])
     # The change over a short time is (expm(A*h) - 1): its logarithm gives A without bias.
-    transition = np.empty((6, 6))
-    transition[:] = np.eye(6)
+    transition = np.eye(6)
     for k, step in enumerate([*_SCALES, 1e-3, 1e-3]):
         shift = np.zeros(6)
         shift[k] = step
@@ -191,6 +187,4 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     scales = np.concatenate([_SCALES, [1.0, 1.0]])
     scaled = transition * scales[None, :] / scales[:, None]
     generator = np.real(logm(scaled)) / _MOMENT * scales[:, None] / scales[None, :]
-    output = np.array([[0.0, 0.0, 1.0, 0.0]])
-    return LinearModel(generator[:4, :4], generator[:4, 4:], output, np.zeros((1, 2)),
-                       STATES[:4])
+    return LinearModel(generator[:4, :4], generator[:4, 4:], np.array([[0.0, 0.0, 1.0, 0.0]]))
