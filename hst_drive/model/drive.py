@@ -167,6 +167,11 @@ class Drive:
             self.parameters, self.switches, *self._fresh_tables(), out)
         return out
 
+    def load_at(self, pprv_command: float, motor_speed: float, oil_temperature: float) -> float:
+        """Return the torque reading (N.m) of a load that has settled: V, rad/s, K."""
+        return float(self.load_torque(np.zeros(1), *(np.full(1, value) for value in (
+            pprv_command, motor_speed, oil_temperature)))[0])
+
     def key(self) -> bytes:
         """Return the numbers that its motion hangs on: the same, the same drive."""
         return b''.join([self.parameters.tobytes(), self.switches.tobytes(),

@@ -112,9 +112,7 @@ def _state(drive: Drive, command: float, pprv_command: float, temperature: float
                                 pressure=pressure, speed=speed)
     if drive.has_flexible_shaft:
         bare = drive.without('torque_reading')      # what is read may be wrong
-        load = bare.load_torque(np.array([0.0, 1.0]), *(np.full(2, value) for value in (
-            pprv_command, speed, temperature)))
-        state[6] = twist_at(drive, float(load[0]))
+        state[6] = twist_at(drive, bare.load_at(pprv_command, speed, temperature))
     return state
 
 
@@ -122,9 +120,7 @@ def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: f
     table = drive.rig.loading.pprv_pressure
 
     def missing(command: float) -> float:
-        torque = drive.load_torque(np.array([0.0, 1.0]), np.full(2, command), np.full(2, speed),
-                                   np.full(2, temperature))[0]
-        return float(torque) - load_torque
+        return drive.load_at(command, speed, temperature) - load_torque
 
     low, high = float(table.x[0]), float(table.x[-1])
     if missing(high) < 0:
