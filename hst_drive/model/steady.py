@@ -162,10 +162,8 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     from scipy.linalg import logm
 
     def rate(state: np.ndarray, pump_command: float, pprv_command: float) -> np.ndarray:
-        full = point.state.copy()
-        full[:4] = state
-        full[5] = full[7] = state[2]
-        full[8] = full[11] = pump_command
+        full = drive.initial_state(pump_command=pump_command, speed=state[2])
+        full[:4], full[6] = state, point.state[6]
         after = drive.advance(full, _MOMENT, pump_command=pump_command, pprv_command=pprv_command,
                               oil_temperature=point.oil_temperature)
         return after[:4] - state
