@@ -58,28 +58,20 @@ def unit_of(drive: Drive) -> Unit:
 
 def _source(drive: Drive) -> str:
     effects = {name: catalogue(everything=True)[name] for name in drive.effects}
-    text, places, flags, slots, size = generate_drive(effects)
-    numbers = np.zeros(size)
-    numbers[:len(NAMES)] = drive.parameters[:len(NAMES)]
-    for key, place in places.items():
-        numbers[place] = drive.parameters[drive.kernel.places[key]]
-    on = np.zeros(len(flags) + len(slots), dtype=int)
-    for name in effects:
-        on[flags[name]] = 1
-        for slot, _ in effects[name].terms:
-            on[slots[slot]] = 1
+    code = generate_drive(effects)
+    numbers, on = code.vectors(drive.parameters[:len(NAMES)], drive.effects)
     cells, layout = drive.tables
     records = ('time', 'pump_commands', 'pprv_commands', 'oil_temperatures', 'viscosity_ratios',
                'disturbances', 'motor_angles', 'p')
     equations = translate(
-        python_of(text, effects),
+        python_of(code.source, effects),
         {**dict.fromkeys(records, _READ), 'state': Array('double'),
          'on': Array('const signed char'), 'cells': Array('const double', cells.shape[1]),
          'layout': Array('unsigned long', layout.shape[1]),
          'out': Array('double', len(OUTPUTS))},
         _ROWS, integers=('number',), leave_out=('load_record', 'twist_under'))
     counts = {'STATES': len(STATES), 'INPUTS': len(_INPUTS), 'OUTPUTS': len(OUTPUTS),
-              'FACTORS': len(SCALED), 'PARAMETERS': size, 'NUMBERS': len(NAMES),
+              'FACTORS': len(SCALED), 'PARAMETERS': len(numbers), 'NUMBERS': len(NAMES),
               'LAYOUT': layout.size}
     inputs = [0.0, 0.0, drive.rig.characterised_at, 0.0]
     return '\n'.join([

@@ -17,7 +17,7 @@ from hst_drive.measure.equations import told, Weak
 from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
-from hst_drive.model.part import PartModel
+from hst_drive.model.part import Known, PartModel
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -28,7 +28,6 @@ SETTLES = 2.0       # s before the first row in which the actuator settles on it
 _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
              'motor_inlet_flow': ('flow_reading', 'flow'),
              'motor_torque': ('torque_reading', 'load_torque')}
-Known = Mapping[str, Any]
 
 
 def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:

@@ -12,12 +12,11 @@ from typing import Any, Callable, Mapping, NamedTuple
 
 from hst_drive.channels import PRESSURES
 from hst_drive.measure.start import resting
-from hst_drive.model.part import PartModel
+from hst_drive.model.part import Known, PartModel
 import numpy as np
 
 _READ = ('motor_speed', 'pump_speed', 'pump_command', 'pprv_command', 'oil_temperature',
          'viscosity_ratio')
-Known = Mapping[str, Any]
 
 
 class Weak(NamedTuple):

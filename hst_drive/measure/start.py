@@ -65,8 +65,7 @@ def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np
     None if that is the first command, or if none is: the PPRV's pressure is no channel.
     """
     def settled(volts: float) -> float:
-        return float(drive.load_torque(time[:2], np.full(2, volts), speed[:2],
-                                       oil_temperature[:2])[0])
+        return drive.load_at(volts, speed[0], oil_temperature[0])
 
     now = settled(float(command[0]))
     off = abs(torque[1] - now)
@@ -191,8 +190,6 @@ def resting(model: PartModel, known: Mapping[str, np.ndarray],
 
 def _first_torque(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
                   torque: str | None, speed: float) -> float:
-    if torque:
-        return max(first[torque], 0.0)
-    model = drive.load_torque(*(np.full(2, value) for value in (
-        0.0, inputs['pprv_command'], speed, inputs['oil_temperature'])))
-    return max(float(model[0]), 0.0)
+    found = first[torque] if torque else drive.load_at(
+        inputs['pprv_command'], speed, inputs['oil_temperature'])
+    return max(found, 0.0)

@@ -6,36 +6,19 @@ from __future__ import annotations
 from functools import lru_cache
 import inspect
 import textwrap
-from typing import Callable, NamedTuple
+from typing import Callable
 
 from hst_drive.effects import catalogue, edition
 from hst_drive.model import kernel_template
 from hst_drive.model.circuits import replay_text
 from hst_drive.model.circuits.base import Circuit
 from hst_drive.model.compiled import compiles, running
-from hst_drive.model.compose import generate, usable
+from hst_drive.model.compose import Code, generate
 
 _SHARED = ('find', 'interpolate', 'interpolate2', 'smooth_sign', 'played')
 _REST = 'p, on, cells, layout'
 READINGS = ('pressure_reading', 'flow_reading', 'torque_reading', 'speed_reading_lag')
 """Slots of sensors: what they add is taken from, or added to, the readings of a replay."""
-
-
-class Running(NamedTuple):
-    """
-    A circuit as code; ``places``, ``flags``, ``slots`` and ``size`` as in ``compose.Kernel``.
-
-    ``usable`` are the effects whose first term is in its equations, ``names`` its parameters.
-    """
-
-    run: Callable
-    places: dict[tuple[str, str], int]
-    flags: dict[str, int]
-    slots: dict[str, int]
-    size: int
-    usable: frozenset[str]
-    names: tuple[str, ...]
-    source: str
 
 
 @lru_cache
@@ -77,7 +60,7 @@ def _listed(name: str, count: int, opened: str = '[') -> str:
     return ''.join(f'{name}{opened}{index}], ' for index in range(count))
 
 
-def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = None) -> Running:
+def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = None) -> Code:
     """
     Return the code of a circuit for all effects of the catalogue.
 
@@ -100,13 +83,11 @@ def code_of(circuit: Circuit, names: tuple[str, ...], compiled: bool | None = No
 
 @lru_cache(maxsize=8)
 def _code(_: str, text: str, layout: tuple, helpers: tuple[str, ...], compiled: bool,
-          __: int) -> Running:
+          __: int) -> Code:
     effects = catalogue(everything=True)
-    names, tables = layout
-    source, places, flags, slots, size = generate(effects, text, names, tables)
+    code = generate(effects, text, *layout)
     read = {name for name, effect in effects.items() if effect.slot in READINGS}
-    module = running(source, effects, compiled,
+    module = running(code.source, effects, compiled,
                      ('interpolate', 'interpolate2', 'smooth_sign', *helpers, 'hold',
                       'hold_row', 'equations', 'evaluate'), ('find', 'played', 'weigh'), ('run',))
-    return Running(module.run, places, flags, slots, size, usable(source, effects) | read,
-                   names, source)
+    return code._replace(usable=code.usable | read, module=module, compiled=compiled)

@@ -6,10 +6,9 @@ from __future__ import annotations
 import math
 from typing import Mapping
 
-from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity_ratio
 from hst_drive.errors import InputError
-from hst_drive.model.circuit_code import code_of, Running
+from hst_drive.model.circuit_code import code_of
 from hst_drive.model.circuits import circuit_of
 from hst_drive.model.parameters import cells_of
 from hst_drive.model.part import PartModel
@@ -49,11 +48,7 @@ class CircuitModel(PartModel):
                 f"{rig.source}: 'circuit: {rig.circuit}' would need integration steps of "
                 f'{self.steps[0]:.1g} s, expected {LEAST_STEP:g} s or more; check the volume of '
                 'the line, the lags, the check valve and the override of the relief valve')
-        self.code: Running = code_of(self.circuit, tuple(self._numbers), compiled)
-        self._neutral = np.zeros(self.code.size)
-        for name, effect in catalogue(everything=True).items():
-            for entry in effect.parameters:
-                self._neutral[self.code.places[name, entry.name]] = entry.neutral
+        self.code = code_of(self.circuit, tuple(self._numbers), compiled)
         self._tables = cells_of([table(rig) for table in self.circuit.tables.values()])
 
     def enters(self, name: str) -> bool:
@@ -66,20 +61,6 @@ class CircuitModel(PartModel):
         return self._numbers[name] * math.prod(
             self.factors.get(key, 1.0) / self.rig.calibration.get(key, 1.0)
             for key, scales in scaled if scales == name)
-
-    def _vectors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return parameters and switches as the code takes them."""
-        values = self._neutral.copy()
-        values[:len(self._numbers)] = [self.parameter(name) for name in self._numbers]
-        switches = np.zeros(len(self.code.flags) + len(self.code.slots), dtype=np.int8)
-        known = catalogue(everything=True)
-        for name, chosen in self.effects.items():
-            for key, value in chosen.items():
-                values[self.code.places[name, key]] = value
-            switches[self.code.flags[name]] = 1
-            for slot, _ in known[name].terms:
-                switches[self.code.slots[slot]] = 1
-        return values, switches
 
     def run(self, time: np.ndarray, channels: Mapping[str, np.ndarray],
             told: Mapping[str, np.ndarray], state: np.ndarray | None = None, *,
@@ -130,7 +111,8 @@ class CircuitModel(PartModel):
                                     for entry in circuit.held_inputs]).astype(float)
         record = np.empty((n, len(circuit.states)))
         mask = np.zeros(len(circuit.states), dtype=np.int8)
-        values, switches = self._vectors()
+        values, switches = self.code.vectors(
+            [self.parameter(name) for name in self._numbers], self.effects)
         for index, entry in enumerate(circuit.states):
             if entry.name in told:
                 record[:, index], mask[index] = told[entry.name], 1
@@ -145,9 +127,9 @@ class CircuitModel(PartModel):
             fast = any(entry.unit == 'Pa' for entry in circuit.states if entry.name not in told)
             max_step = MAX_STEP if fast else min(self.steps[1], _TOLD_STEP)
         cells, layout = self._tables
-        self.code.run(np.ascontiguousarray(time, dtype=float), commands, inputs,
-                      np.array(varied, dtype=np.int64), mask, record, state, memory,
-                      values, switches, cells, layout.copy(), max_step, work, out)
+        self.code.module.run(np.ascontiguousarray(time, dtype=float), commands, inputs,
+                             np.array(varied, dtype=np.int64), mask, record, state, memory,
+                             values, switches, cells, layout.copy(), max_step, work, out)
         found = {name: out[:, index] for index, name in enumerate(circuit.quantities)}
         return {**{entry.name: record[:, index] for index, entry in enumerate(circuit.states)},
                 **found}
@@ -163,8 +145,6 @@ class CircuitModel(PartModel):
                                self.rig.line.oil_grade if self.rig.line else '')
 
 
-def part_model(rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
-               factors: Mapping[str, float] | None = None) -> PartModel:
+def part_model(rig: Rig) -> PartModel:
     """Return the model that judges a log balance by balance: of its circuit, or of a part."""
-    kind = PartModel if circuit_of(rig) is None else CircuitModel
-    return kind(rig, effects, factors)
+    return PartModel(rig) if circuit_of(rig) is None else CircuitModel(rig)

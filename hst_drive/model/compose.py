@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 from functools import lru_cache
 import inspect
-from typing import Callable, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, edition, Effect
 from hst_drive.effects.base import arguments
@@ -20,6 +20,7 @@ from hst_drive.effects.slots import (
 from hst_drive.model import kernel_template
 from hst_drive.model.compiled import compiles, running, terms
 from hst_drive.model.parameters import NAMES, TABLES
+import numpy as np
 
 CONSTANTS = {
     'SIGN_WIDTH': 0.15,               # rad/s, smooth sign of friction and load torques
@@ -67,35 +68,54 @@ LOAD = ('load_model', 'shaft', 'twist_under', 'load_record')    # what the load 
 INSIDE = ('find', 'along', 'played', 'twist_under')
 
 
-class Kernel(NamedTuple):
+class Code(NamedTuple):
     """
-    The running code and how its vectors are laid out.
+    Generated equations, and how their vectors are laid out.
 
-    ``places`` maps (effect id, parameter) to its place behind the baseline's parameters;
-    ``flags`` maps an effect id to its switch, ``slots`` a slot to the switch that any of its
-    effects sets. ``usable`` are the effects whose first term the equations have.
+    ``places`` maps (effect id, parameter) to its place behind the baseline's parameters, which
+    are 0 in ``neutral``; ``flags`` maps an effect id to its switch, ``slots`` a slot to the switch
+    that any of its effects sets. ``usable`` are the effects whose first term the equations have.
+    ``module`` has the running functions, None while this is but a text.
     """
 
-    simulate: Callable
-    load_record: Callable
+    source: str
     places: dict[tuple[str, str], int]
+    neutral: np.ndarray
     flags: dict[str, int]
     slots: dict[str, int]
-    size: int
-    source: str
-    compiled: bool
     usable: frozenset[str]
+    module: Any = None
+    compiled: bool = False
+
+    def vectors(self, base: Sequence[float],
+                effects: Mapping[str, Mapping[str, float]]) -> tuple[np.ndarray, np.ndarray]:
+        """Return parameters and switches: the baseline's numbers, effects that are on (SI)."""
+        parameters = self.neutral.copy()
+        parameters[:len(base)] = base
+        switches = np.zeros(len(self.flags) + len(self.slots), dtype=np.int8)
+        for name, values in effects.items():
+            self.switch_on(name, values, parameters, switches)
+        return parameters, switches
+
+    def switch_on(self, name: str, values: Mapping[str, float], parameters: np.ndarray,
+                  switches: np.ndarray) -> None:
+        """Write an effect with its parameters (SI) into those vectors."""
+        for key, value in values.items():
+            parameters[self.places[name, key]] = value
+        switches[self.flags[name]] = 1
+        for slot, _ in catalogue(everything=True)[name].terms:
+            switches[self.slots[slot]] = 1
 
 
-def generate_drive(effects: dict[str, Effect]) -> tuple[str, dict, dict, dict, int]:
+def generate_drive(effects: dict[str, Effect]) -> Code:
     """Return ``generate`` of the open circuit's text."""
     return generate(effects, inspect.getsource(kernel_template), NAMES, TABLES)
 
 
 def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
-             tables: Sequence[str]) -> tuple[str, dict, dict, dict, int]:
+             tables: Sequence[str]) -> Code:
     """
-    Return source text, places of parameters, flags of effects and slots, vector's length.
+    Return the code of a template, as text.
 
     Parameters
     ----------
@@ -109,13 +129,12 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         Numbers and tables that they use, as ``P_name`` and ``T_NAME``.
 
     """
-    places, flags = {}, {}
-    size = len(names)
+    places, flags, neutral = {}, {}, [0.0] * len(names)
     for index, effect in enumerate(effects.values()):
         flags[effect.id] = index
         for parameter in effect.parameters:
-            places[effect.id, parameter.name] = size
-            size += 1
+            places[effect.id, parameter.name] = len(neutral)
+            neutral.append(parameter.neutral)
     constants = {f'P_{name}': index for index, name in enumerate(names)}
     constants.update({f'T_{name}': index for index, name in enumerate(tables)})
     constants.update(CONSTANTS)
@@ -145,7 +164,8 @@ def generate(effects: dict[str, Effect], template: str, names: Sequence[str],
         body.append(f'{indent}    pass')
     text = '\n'.join(['# Generated from the equations and the catalogue of effects.',
                       *text[:head], '', *lines, '', *body, ''])
-    return text, places, flags, slots, size
+    usable = frozenset(name for name in effects if f'effect_{name}(' in text)
+    return Code(text, places, np.array(neutral), flags, slots, usable)
 
 
 def _part(effect: Effect, slot: str, template: str) -> str:
@@ -185,7 +205,7 @@ def _known(template: str) -> dict[int, set[str]]:
     return found
 
 
-def kernel(compiled: bool | None = None) -> Kernel:
+def kernel(compiled: bool | None = None) -> Code:
     """
     Return the code for all effects of the catalogue.
 
@@ -201,12 +221,11 @@ def kernel(compiled: bool | None = None) -> Kernel:
 
 
 @lru_cache(maxsize=4)
-def _kernel(compiled: bool, _: int) -> Kernel:
+def _kernel(compiled: bool, _: int) -> Code:
     effects = catalogue(everything=True)
-    text, places, flags, slots, size = generate_drive(effects)
-    module = running(text, effects, compiled, INLINE, INSIDE, ('load_record', 'simulate'))
-    return Kernel(module.simulate, module.load_record, places, flags, slots, size, text,
-                  compiled, usable(text, effects))
+    code = generate_drive(effects)
+    return code._replace(compiled=compiled, module=running(
+        code.source, effects, compiled, INLINE, INSIDE, ('load_record', 'simulate')))
 
 
 @lru_cache(maxsize=4)
@@ -221,8 +240,3 @@ def read_by(text: str, functions: tuple[str, ...]) -> tuple[list[int], list[int]
               for node in ast.walk(part)
               if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name)}
     return tuple(sorted(at for array, at in places if array == name) for name in ('p', 'on'))
-
-
-def usable(text: str, effects: dict[str, Effect]) -> frozenset[str]:
-    """Return the effects whose first term a generated text has."""
-    return frozenset(name for name in effects if f'effect_{name}(' in text)

@@ -77,15 +77,8 @@ class Drive:
         self.max_step = max_step
         self.kernel = kernel(compiled)
         self.effects: dict[str, dict[str, float]] = {}
-        base = baseline_parameters(rig)
+        self.parameters, self.switches = self.kernel.vectors(baseline_parameters(rig), {})
         self.tables = baseline_tables(rig)
-        self.parameters = np.zeros(self.kernel.size)
-        self.parameters[:len(base)] = base
-        self.switches = np.zeros(len(self.kernel.flags) + len(self.kernel.slots),
-                                 dtype=np.int8)
-        for name, effect in catalogue(everything=True).items():
-            for parameter in effect.parameters:
-                self.parameters[self.kernel.places[name, parameter.name]] = parameter.neutral
         for name, values in {**rig.effects, **(effects or {})}.items():
             self.switch_on(name, values)
         if rig.line.oil_grade not in GRADES:
@@ -94,13 +87,8 @@ class Drive:
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
-        chosen = check_effect(self.rig, name, values)
-        for key, value in chosen.items():
-            self.parameters[self.kernel.places[name, key]] = value
-        self.switches[self.kernel.flags[name]] = 1
-        for slot, _ in catalogue(everything=True)[name].terms:
-            self.switches[self.kernel.slots[slot]] = 1
-        self.effects[name] = chosen
+        self.effects[name] = check_effect(self.rig, name, values)
+        self.kernel.switch_on(name, self.effects[name], self.parameters, self.switches)
 
     def with_effect(self, name: str, values: Mapping[str, float]) -> Drive:
         """Return a drive with one effect more, or with other parameters (SI) for it."""
@@ -173,11 +161,16 @@ class Drive:
         out = np.empty(len(time))
         if motor_angle is None:
             motor_angle = turned(time, motor_speed)
-        self.kernel.load_record(
+        self.kernel.module.load_record(
             *(np.ascontiguousarray(values, dtype=float)
               for values in (time, pprv_command, motor_speed, oil_temperature, motor_angle)),
             self.parameters, self.switches, *self._fresh_tables(), out)
         return out
+
+    def load_at(self, pprv_command: float, motor_speed: float, oil_temperature: float) -> float:
+        """Return the torque reading (N.m) of a load that has settled: V, rad/s, K."""
+        return float(self.load_torque(np.zeros(1), *(np.full(1, value) for value in (
+            pprv_command, motor_speed, oil_temperature)))[0])
 
     def key(self) -> bytes:
         """Return the numbers that its motion hangs on: the same, the same drive."""
@@ -256,7 +249,7 @@ class Drive:
         if state is None:
             state = self.initial_state(pump_command=commands[0][0], pprv_command=commands[1][0])
         out = np.empty((n, len(OUTPUTS)))
-        self.kernel.simulate(
+        self.kernel.module.simulate(
             time, *commands, *others, state, self.parameters, self.switches,
             *self._fresh_tables(), self.max_step, out)
         readings = {name: out[:, index] for index, name in enumerate(OUTPUTS)}

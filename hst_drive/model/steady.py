@@ -7,12 +7,11 @@ import math
 from typing import Callable, NamedTuple
 
 from hst_drive.errors import InputError
-from hst_drive.model.compose import CONSTANTS, STATES
+from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import Drive
 from hst_drive.model.parameters import INDEX
 import numpy as np
 
-STEADY_STATES = ('displacement', 'pump_pressure', 'motor_speed', 'pprv_pressure')
 _SCALES = np.array([1e-7, 1e5, 0.1, 1e5])
 _MOMENT = 1e-4      # s: the state's rate is the change over so short a time
 
@@ -29,17 +28,15 @@ class OperatingPoint(NamedTuple):
 
 class LinearModel(NamedTuple):
     """
-    Motion about an operating point, ``dx/dt = A x + B u``, ``y = C x + D u``.
+    Motion about an operating point, ``dx/dt = A x + B u``, ``y = C x``.
 
-    States ``STEADY_STATES``; inputs pump command (V) and PPRV command (V); output hydromotor
-    speed (rad/s).
+    States: the first four of ``STATES``; inputs pump command (V) and PPRV command (V); output
+    hydromotor speed (rad/s).
     """
 
     a: np.ndarray
     b: np.ndarray
     c: np.ndarray
-    d: np.ndarray
-    states: tuple[str, ...]
 
 
 def root(function: Callable[[float], float], low: float, high: float,
@@ -115,9 +112,7 @@ def _state(drive: Drive, command: float, pprv_command: float, temperature: float
                                 pressure=pressure, speed=speed)
     if drive.has_flexible_shaft:
         bare = drive.without('torque_reading')      # what is read may be wrong
-        load = bare.load_torque(np.array([0.0, 1.0]), *(np.full(2, value) for value in (
-            pprv_command, speed, temperature)))
-        state[6] = twist_at(drive, float(load[0]))
+        state[6] = twist_at(drive, bare.load_at(pprv_command, speed, temperature))
     return state
 
 
@@ -125,9 +120,7 @@ def _pprv_command(drive: Drive, speed: float, load_torque: float, temperature: f
     table = drive.rig.loading.pprv_pressure
 
     def missing(command: float) -> float:
-        torque = drive.load_torque(np.array([0.0, 1.0]), np.full(2, command), np.full(2, speed),
-                                   np.full(2, temperature))[0]
-        return float(torque) - load_torque
+        return drive.load_at(command, speed, temperature) - load_torque
 
     low, high = float(table.x[0]), float(table.x[-1])
     if missing(high) < 0:
@@ -169,10 +162,8 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     from scipy.linalg import logm
 
     def rate(state: np.ndarray, pump_command: float, pprv_command: float) -> np.ndarray:
-        full = point.state.copy()
-        full[:4] = state
-        full[5] = full[7] = state[2]
-        full[8] = full[11] = pump_command
+        full = drive.initial_state(pump_command=pump_command, speed=state[2])
+        full[:4], full[6] = state, point.state[6]
         after = drive.advance(full, _MOMENT, pump_command=pump_command, pprv_command=pprv_command,
                               oil_temperature=point.oil_temperature)
         return after[:4] - state
@@ -180,8 +171,7 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     state = point.state[:4]
     commands = np.array([point.pump_command, point.pprv_command])
     # The change over a short time is (expm(A*h) - 1): its logarithm gives A without bias.
-    transition = np.empty((6, 6))
-    transition[:] = np.eye(6)
+    transition = np.eye(6)
     for k, step in enumerate([*_SCALES, 1e-3, 1e-3]):
         shift = np.zeros(6)
         shift[k] = step
@@ -191,6 +181,4 @@ def linearise(drive: Drive, point: OperatingPoint) -> LinearModel:
     scales = np.concatenate([_SCALES, [1.0, 1.0]])
     scaled = transition * scales[None, :] / scales[:, None]
     generator = np.real(logm(scaled)) / _MOMENT * scales[:, None] / scales[None, :]
-    output = np.array([[0.0, 0.0, 1.0, 0.0]])
-    return LinearModel(generator[:4, :4], generator[:4, 4:], output, np.zeros((1, 2)),
-                       STATES[:4])
+    return LinearModel(generator[:4, :4], generator[:4, 4:], np.array([[0.0, 0.0, 1.0, 0.0]]))

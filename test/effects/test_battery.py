@@ -198,6 +198,15 @@ def test_slots_and_readable_names_are_complete():
     assert {slot for effect in OWN.values() for slot, _ in effect.terms} <= set(SLOTS)
 
 
+@pytest.mark.parametrize('slot, told', [
+    ('speed_reading', {'motor_speed', 'oil_temperature'}), ('speed_reading_lag', set()),
+    ('speed_reading_series_lag', set()), ('shaft_damping_time', set()),
+    ('shaft_load_share', set())])
+def test_effects_that_a_replay_reads_without_a_simulation(slot, told):
+    """They may read what is known there only: the load model would pass others by in silence."""
+    assert readable(slot) == told
+
+
 def scale(flow, factor):
     """Return a term for the declarations below."""
     return factor * flow
@@ -211,6 +220,7 @@ def with_helper(flow, factor):
 @pytest.mark.parametrize('change, complaint', [
     ({'slot': 'motor'}, "unknown slot 'motor'"),
     ({'slot': 'torque_reading'}, "argument 'flow' is neither a parameter nor known"),
+    ({'slot': 'speed_reading'}, "argument 'flow' is neither a parameter nor known"),
     ({'function': lambda flow, factor: factor * flow}, "written with 'def'"),
     ({'function': with_helper}, "its function uses 'scale'"),
     ({'id': 'my effect'}, "expected an id of letters, digits and '_'"),

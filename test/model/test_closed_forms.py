@@ -118,6 +118,16 @@ def test_oil_that_stiffens_under_pressure():
     assert found[1] / found[0] == pytest.approx(1.0 / (1.0 - 0.2 * share), rel=2e-3)
 
 
+@pytest.mark.parametrize('softness', [0.0, 0.5], ids=['hard', 'soft'])
+def test_a_play_that_has_settled_is_not_in_the_linear_model(softness):
+    """The nudged command is one on which the plate has settled: no move that a play takes up."""
+    offset = {'pump_command_offset': {'offset': -0.2}}
+    play = {'pump_hysteresis': {'width': 0.35, 'softness': softness, 'spread': 0.3}}
+    free, held = (linearise(drive, operating_point(drive, 80 * RPM, 150.0)) for drive in (
+        Drive(default_rig(), offset), Drive(default_rig(), {**offset, **play})))
+    assert held.b[0, 0] == pytest.approx(free.b[0, 0], rel=1e-6)
+
+
 def test_the_ringing_after_a_step_has_the_resonance_of_the_linear_model():
     drive = Drive(default_rig())
     point = operating_point(drive, 80 * RPM, 150.0)
