@@ -61,6 +61,8 @@ def run(args: argparse.Namespace) -> int:
 
 def text(found: Commissioned) -> str:
     """Return the fingerprint for a terminal."""
+    from hst_drive.diagnose.commission import OIL_LAW
+
     rows = [[entry.quantity, f'{entry.factor:.4f}', f'{100 * entry.sigma:.2g}',
              f'{100 * entry.make:.2g}'] for entry in found.quantities]
     lines = [table(['quantity', 'factor on the datasheet', 'known to [%]', 'make [%]'], rows), '',
@@ -70,6 +72,10 @@ def text(found: Commissioned) -> str:
              'commissioned for: ' + ', '.join(
                  f'{key} {low:g} to {high:g}' for key, (low, high)
                  in found.rig['commissioned']['conditions'].items())]
+    law = found.rig.get('effects', {}).get(OIL_LAW)
+    if law:
+        lines.append("its leakage follows the oil's viscosity to the power "
+                     f"{law['exponent']:.2g}: '{OIL_LAW}' is part of this machine, and no fault")
     untold = [entry for entry in found.quantities if entry.test]
     if untold:
         lines += ['', 'these logs tell little of (the tolerance of the make stays); what would '

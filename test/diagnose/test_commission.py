@@ -3,9 +3,11 @@
 """A machine's fingerprint: against closed forms, and what a diagnosis sees with it."""
 import math
 import sys
+from test.truth import make_campaign
 from types import SimpleNamespace
 
-from hst_drive.diagnose.commission import commission, DAY_TO_DAY
+from bench.campaigns import run_of
+from hst_drive.diagnose.commission import commission, DAY_TO_DAY, OIL_LAW
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.effects.oil import viscosity
 from hst_drive.errors import InputError
@@ -146,3 +148,20 @@ def test_beyond_what_was_commissioned_is_told(unit):
     assert known.sigmas['pump.leakage'] == pytest.approx(thinner / 12**0.5, rel=0.05)
     assert known.sigmas['pump.displacement_vs_command'] < 0.03
     assert not diagnose(unit, [day(3)]).outside
+
+
+@pytest.mark.needs_numba
+def test_leakage_that_follows_the_oil_is_no_fault_but_learnt():
+    """A healthy machine on three days with oil of 44, 50 and 56 degC; power 1 in truth."""
+    def recorded(number, celsius):
+        made = make_campaign(
+            932_000 + number, {OIL_LAW: {'size': 1.0, 'form': 'walther'}}, unit_seed=910_022,
+            duration=30.0, logs=('drilling',), keep_exact=False,
+            temperature={'drilling': (celsius - 1.0, celsius + 1.0)})
+        return made.sheet, [run_of(*log) for log in made.logs.items()]
+
+    days = [recorded(number, celsius) for number, celsius in ((21, 44.0), (22, 50.0), (23, 56.0))]
+    unit = commission(days[0][0], 'make.yaml', [run for _, runs in days for run in runs]).rig
+    assert unit['effects'][OIL_LAW]['exponent'] == pytest.approx(1.0, abs=0.25)
+    found = diagnose(parse_rig(unit, 'unit'), recorded(24, 53.0)[1])
+    assert found.verdict == 'none'
