@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A machine's fingerprint: against closed forms, and what a diagnosis sees with it."""
+from dataclasses import replace
 import math
 import sys
 from test.truth import make_campaign
@@ -70,7 +71,8 @@ def test_a_log_that_misleads_alone_is_judged_with_the_others(monkeypatch, togeth
     """What is missing in a machine shows in all logs of it."""
     runs = [day(1), day(2)]
     monkeypatch.setattr(sys.modules[commission.__module__], 'diagnose', lambda rig, given, **_: (
-        SimpleNamespace(verdict=together if len(given) > 1 else 'unknown', sentence='Odd.')))
+        SimpleNamespace(verdict=together if len(given) > 1 else 'unknown', sentence='Odd.',
+                        effects=())))
     if refused:
         with pytest.raises(InputError, match='cannot be commissioned as healthy: Odd.'):
             commission(MAKE, 'make.yaml', runs)
@@ -148,6 +150,16 @@ def test_beyond_what_was_commissioned_is_told(unit):
     assert known.sigmas['pump.leakage'] == pytest.approx(thinner / 12**0.5, rel=0.05)
     assert known.sigmas['pump.displacement_vs_command'] < 0.03
     assert not diagnose(unit, [day(3)]).outside
+
+
+def test_a_leakage_is_known_for_the_oil_at_which_it_was_learnt(unit):
+    """Not for any that was visited: from 40 degC in the middle of 35 to 45 it falls to 36."""
+    visited = replace(unit, fingerprint=replace(
+        unit.fingerprint, conditions={'oil_temperature': (308.15, 318.15)}))
+    thicker = math.log(viscosity(313.15, 'ISO VG 46') / viscosity(309.15, 'ISO VG 46'))
+    known = prior(visited, [day(5, celsius=36.0)])
+    assert math.log(known.expected['pump.leakage']) == pytest.approx(thicker / 2, rel=0.05)
+    assert prior(visited, [day(5)]).expected['pump.leakage'] == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.needs_numba
