@@ -132,7 +132,7 @@ def run(args: argparse.Namespace) -> int:
     tell(f'wrote {args.output} ({len(text.encode()) / 1e6:.1f} MB)')
     if args.json:
         write_json({'schema': 'hst_drive/report/1', 'page': args.output,
-                    'comparison': told.as_json(comparison, rig.source),
+                    'comparison': told.as_json(variants[0].comparison, rig.source),
                     'with_found': [{'title': entry.title, 'comparison': told.as_json(
                         entry.comparison, rig.source)} for entry in variants[1:]],
                     'diagnosis': diagnosis, 'provenance': {

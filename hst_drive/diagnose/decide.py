@@ -135,7 +135,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                 f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
             sentence(verdict, effects, ladder, remaining,
                      tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
-                     campaign.own_past).strip(),
+                     campaign.own_past, tuple(rig.effects)).strip(),
             *(['Each log alone is explained by a unit within its tolerances, but not all by the '
                'same: were they recorded on several drives, or was a part changed in between?']
               if several else []),

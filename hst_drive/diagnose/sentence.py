@@ -16,13 +16,14 @@ from hst_drive.units import for_people
 
 def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
              remaining: Unknown | None, hidden: Sequence[str] = (),
-             limited: Sequence[str] = (), commissioned: bool = False) -> str:
+             limited: Sequence[str] = (), commissioned: bool = False,
+             adopted: Sequence[str] = ()) -> str:
     """
     Return what is missing and how far the error falls with it, in words.
 
     ``hidden`` are the effects that the logs could not have shown, ``limited`` the quantities that
     sit at the limits of their tolerances in the unit without effects; ``commissioned`` says that
-    the model is that of this machine as it was then.
+    the model is that of this machine as it was then, with the effects that are ``adopted``.
     """
     first, last = ladder[1].holdout, ladder[-1].holdout
     signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
@@ -39,7 +40,7 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
              f'{times(last[signal])} times the noise.')
     if verdict == 'none':
-        return _nothing(first, signal, hidden, commissioned)
+        return _nothing(first, signal, hidden, commissioned, adopted)
     if any(UNIT_ALONE in entry.indistinguishable_from for entry in effects):
         return _or_the_unit(effects[0], limited, commissioned)
     if verdict in ('missing_effect', 'ambiguous'):
@@ -74,12 +75,13 @@ def _did(entry: Found) -> str:
 
 
 def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
-             commissioned: bool) -> str:
+             commissioned: bool, adopted: Sequence[str]) -> str:
     """Say of what nothing is missing: of what these logs could have shown."""
     missing, known = ('has changed since the machine was commissioned', 'what is known of it') \
         if commissioned else ('is missing', 'the tolerances')
     untold = f', but not {listed(hidden, "or")}' if hidden else ''
-    return (f'Nothing {missing}, as far as these logs show. They show the balances of '
+    beside = f'; {listed(adopted)}, adopted before, stays as it was' if adopted else ''
+    return (f'Nothing {missing}, as far as these logs show{beside}. They show the balances of '
             f'{listed([CHANNELS[name].title for name in ratios])}, and effects from the sizes '
             f'below on{untold}. The model, calibrated within {known}, explains them down to the '
             f'noise (worst held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')

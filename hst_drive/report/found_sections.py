@@ -15,13 +15,16 @@ from hst_drive.units import for_people
 
 _VERDICTS = {'none': 'nothing is missing', 'missing_effect': 'an effect is missing',
              'ambiguous': 'ambiguous', 'unknown': 'something unknown is missing'}
+_SINCE = {'none': 'nothing has changed', 'missing_effect': 'something has changed',
+          'ambiguous': 'something has changed', 'unknown': 'something unknown has changed'}
 _SHOWN = 12     # candidates of the ranking
 
 
 def verdict(diagnosis: dict) -> Markup:
     """Return the verdict as a badge."""
     kind = str(diagnosis.get('verdict'))
-    return element('span', _VERDICTS.get(kind, kind), class_=f'badge {kind}')
+    words = _SINCE if diagnosis.get('since') else _VERDICTS
+    return element('span', words.get(kind, kind), class_=f'badge {kind}')
 
 
 def ladder_section(diagnosis: dict) -> Markup:
@@ -62,7 +65,8 @@ def found_section(diagnosis: dict) -> Markup:
     if not diagnosis['effects'] and not diagnosis.get('unknown'):
         parts.append(element('p', 'The model as it stands, calibrated within the tolerances of '
                              f'{_start(diagnosis)}, explains these logs down to the noise.'))
-    return section('missing', 'What is missing', *parts)
+    return section('missing', 'What has changed' if diagnosis.get('since') else 'What is missing',
+                   *parts)
 
 
 def _start(diagnosis: dict) -> str:

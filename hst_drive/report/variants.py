@@ -36,11 +36,17 @@ def variants_of(content: dict, rig: Rig, runs: Sequence[Run], given: Comparison,
 
     """
     present = len(runs) - before
-    variants = [Variant('the machine as it was' if before else 'model as given', given)]
+
+    def variant(title: str, found: Comparison) -> Variant:
+        # Where it fails now: what tells new logs from old ones explains no error.
+        return Variant(title, found._replace(where=together(
+            found.rig, found.logs[:present]).where) if before else found)
+
+    variants = [variant('the machine as it was' if before else 'model as given', given)]
     for title, other in _adopted(content, diagnosis, source, rig):
         progress(f'comparing: {title}')
         new = compare(model_of(other, runs), runs[:present])
-        variants.append(Variant(title, together(other.name, [*new.logs, *given.logs[present:]])))
+        variants.append(variant(title, together(other.name, [*new.logs, *given.logs[present:]])))
     return variants
 
 

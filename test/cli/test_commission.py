@@ -99,6 +99,7 @@ def test_a_page_shows_then_and_now(files, tmp_path, capsys):
     assert [entry['role'] for entry in found['provenance']['sources']] == [
         'training', 'commissioning']
     shown = page.read_text(encoding='utf-8')
+    assert 'What has changed' in shown and 'What is missing' not in shown
     assert '2 logs' in shown and '1 from when it was commissioned' in shown
     # Error of the flow over the floor, table by table.
     then, without, with_it = (

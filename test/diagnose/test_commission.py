@@ -134,6 +134,9 @@ def test_a_small_leak_shows_against_the_machine_alone(unit):
     same, = [line for line in text(found).splitlines() if line.startswith('the same as then')]
     assert 'pump.displacement_vs_command' in same
     assert diagnose(unit, [day(3)]).verdict == 'none'
+    # Once it is known it does not alarm, and is not forgotten.
+    known = replace(unit, effects={'pump_leakage': {'conductance': 0.15e-3 / 60 / 100e5}})
+    assert 'pump_leakage, adopted before, stays as it was' in diagnose(known, [leaky]).sentence
 
 
 def test_beyond_what_was_commissioned_is_told(unit):

@@ -8,7 +8,9 @@ import re
 
 from hst_drive import cli
 from hst_drive.bag import write_csv
+from hst_drive.measure.compare import compare, model_of
 from hst_drive.report.found_sections import found_section, unit_section
+from hst_drive.report.variants import variants_of
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -202,3 +204,14 @@ def test_wrong_input_is_told_in_one_line(folder, capsys, monkeypatch, arguments,
     assert cli.main(['report', 'run.csv', *arguments]) == 2
     line = capsys.readouterr().err.splitlines()[-1]
     assert line.startswith('hst-drive: ') and words in line
+
+
+def test_where_it_fails_now_is_not_where_the_older_logs_were():
+    """A leak since then: all of the error lies in the new log, whatever is unlike between both."""
+    rig = default_rig()
+    runs = [record(4, duration=20.0, effects={'motor_leakage': {'conductance': 4e-12}}),
+            record(5, duration=20.0)]
+    both, new = (compare(model_of(rig, runs), given) for given in (runs, runs[:1]))
+    assert both.where != new.where
+    shown, = variants_of({}, rig, runs, both, None, '', before=1)
+    assert shown.comparison.where == new.where and shown.comparison.signals == both.signals
