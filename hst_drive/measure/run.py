@@ -86,6 +86,8 @@ class Run:
         half = (step - 1) // 2
         kept = np.arange(first, len(self), step)
         kept = kept[(kept >= half) & (kept + max(half + 1, step) <= len(self))]
+        if len(kept) < 2:
+            return self     # too short for a time between samples
         around = kept[:, None] + np.arange(-half, half + 1)
         after = kept[:, None] + np.arange(step)
         channels = {}

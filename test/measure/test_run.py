@@ -54,6 +54,12 @@ def test_slower_leaves_slow_records_alone():
     assert run.slower(0.008) is run
 
 
+@pytest.mark.parametrize('rows', [10, 12, 17])
+def test_slower_leaves_records_alone_of_which_no_two_samples_would_be_left(rows):
+    run = _run(rows, 0.001)
+    assert run.slower(0.008) is run
+
+
 def test_between_takes_the_first_and_leaves_the_last():
     part = _run().between(0.1, 0.2)
     assert part.time[0] == 0.1 and part.time[-1] < 0.2 and len(part) == 50
