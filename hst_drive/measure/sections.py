@@ -69,7 +69,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
     parts: list[_Part] = []
     delays: dict[str, list[float]] = {}
     spans: list[Span] = []
-    kept: dict[str, float] = {}
+    kept: Counter[str] = Counter()      # of the samples
     missing: Counter[str] = Counter()
     shifts, notes = [], []
     count = samples = 0
@@ -85,7 +85,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
                 log.model[signal][own], log.measured(signal)[own], entry.noise_std, entry.floor)
             delays.setdefault(signal, []).append(log.delays[signal])
         for why, share in log.judged.kept.items():
-            kept[why] = (kept.get(why, 0.0) * samples + share * rows) / (samples + rows)
+            kept[why] += share * rows
         _join(spans, log.judged, start, min(end, float(run.time[-1])))
         shifts.append(log.shift)
         notes += [note for note in run.notes if note not in notes]
@@ -104,7 +104,9 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
     return _result(drive, name, source, sums, parts, Sections(
         count, seconds, BEFORE, AFTER, samples, sample_time), {
             signal: float(np.median(values)) for signal, values in delays.items()},
-        float(np.median(shifts)), Judged(np.zeros(0, dtype=bool), tuple(spans), kept), notes)
+        float(np.median(shifts)), Judged(
+            np.zeros(0, dtype=bool), tuple(spans),
+            {why: part / samples for why, part in kept.items()}), notes)
 
 
 def _result(drive, name, source, sums, parts, cut, delays, shift, judged, notes) -> Comparison:
