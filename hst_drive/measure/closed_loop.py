@@ -8,6 +8,7 @@ import math
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.noise import noise_std
+from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -51,7 +52,7 @@ def closed_loop_signals(drive: Drive, run: Run, replay: Replay) -> dict[str, np.
     controller.reset(float(replay.inputs['pump_command'][0]))
     disturbance = replay.disturbance(drive)
     state = replay.start(drive)
-    time, setpoint = run.time, run['speed_setpoint']
+    time, setpoint = run.time, filled(run['speed_setpoint'], hold=True)
     rows: list[dict[str, float]] = []
     command, due = 0.0, time[0]
     for k in range(len(time)):

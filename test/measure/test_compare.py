@@ -53,6 +53,13 @@ def test_closed_loop_gives_the_command_within_its_noise():
 
 
 @pytest.mark.needs_numba
+def test_closed_loop_holds_a_set_point_through_its_gaps():
+    run = closed_loop_record(20.0)
+    run.channels['speed_setpoint'][np.arange(len(run)) % 3 == 2] = np.nan
+    assert compare(Drive(RIG), [run], closed_loop=True).signals['pump_command'].noise_ratio < 1.3
+
+
+@pytest.mark.needs_numba
 def test_closed_loop_shows_a_hidden_effect_in_the_command():
     run = closed_loop_record(20.0, {'motor_leakage': {'conductance': 3e-12}})
     signals = compare(Drive(RIG), [run], closed_loop=True).signals
