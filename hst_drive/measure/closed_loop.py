@@ -32,8 +32,9 @@ def command_floor(drive: Drive, run: Run, noise: float, speed_floor: float) -> f
     command, and so has the variance ki*T/(2*G) times that of the speed.
     """
     controller, pump = drive.rig.controller, drive.rig.pump
-    usual = float(np.nanmedian(run['pump_command']))
-    ends = np.clip([usual - 0.5, usual + 0.5], pump.displacement.x[0], pump.displacement.x[-1])
+    low, high = pump.displacement.x[[0, -1]]
+    usual = np.clip(np.nanmedian(run['pump_command']), low, high)
+    ends = np.clip([usual - 0.5, usual + 0.5], low, high)
     slope = float(np.diff(pump.displacement(ends))[0] / np.diff(ends)[0])
     gain = max(slope, 1e-12) * pump.shaft_speed / drive.rig.motor.displacement
     memory = controller.ki * controller.sample_time / (2 * gain)

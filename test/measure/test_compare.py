@@ -8,6 +8,7 @@ from hst_drive.bag import read_log
 from hst_drive.bag.align import align, Signal
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
+from hst_drive.measure.closed_loop import command_floor
 from hst_drive.measure.compare import compare
 from hst_drive.measure.readings import Readings
 from hst_drive.measure.run import Run
@@ -74,6 +75,15 @@ def test_closed_loop_on_a_sample():
     for name in ('pump_command', 'motor_speed', 'pump_outlet_pressure', 'motor_inlet_flow'):
         assert 0.9 < signals[name].noise_ratio < 1.15, name
     assert signals['pump_command'].rmse < 0.0015
+
+
+@pytest.mark.parametrize('command', [-0.6, 10.6])
+def test_the_floor_of_a_command_beyond_the_table_is_that_of_its_end(command):
+    drive = Drive(RIG)
+    floors = [command_floor(drive, Run('log', np.arange(2.0), {
+        'pump_command': np.full(2, volts)}), 1e-3, 1e-2) for volts in (
+            command, np.clip(command, 0.0, 10.0))]
+    assert floors[0] == floors[1] > 1e-3
 
 
 @pytest.mark.parametrize('missing', ['speed_setpoint', 'controller'])
