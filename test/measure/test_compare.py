@@ -61,6 +61,18 @@ def test_closed_loop_holds_a_set_point_through_its_gaps():
 
 
 @pytest.mark.needs_numba
+@pytest.mark.parametrize('kept', [
+    lambda time: np.arange(len(time)) % 20 == 0, lambda time: (time < 31.0) | (time > 31.5)],
+    ids=['slow rows', 'a pause'])
+def test_closed_loop_steps_between_the_rows(kept):
+    run = closed_loop_record(60.0)
+    rows = kept(run.time)
+    run = replace(run, time=run.time[rows], channels={
+        name: values[rows] for name, values in run.channels.items()})
+    assert compare(Drive(RIG), [run], closed_loop=True).signals['pump_command'].noise_ratio < 1.3
+
+
+@pytest.mark.needs_numba
 def test_closed_loop_shows_a_hidden_effect_in_the_command():
     run = closed_loop_record(20.0, {'motor_leakage': {'conductance': 3e-12}})
     signals = compare(Drive(RIG), [run], closed_loop=True).signals
