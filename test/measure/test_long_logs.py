@@ -83,8 +83,9 @@ def test_moments_are_the_errors_of_all_samples():
     assert found[1:-1] == pytest.approx([
         known.sum(), rmse, error.mean(), np.abs(error).max(), 0.5, 2.0, rmse / 2.0,
         1.0 - rmse / np.std(measured[known])], rel=1e-9)
-    assert found.russell == pytest.approx(russell(model[known], measured[known]), rel=1e-3,
-                                          abs=1e-7)
+    model, measured = model[known], measured[known]
+    assert found.russell == pytest.approx(russell(
+        model @ model, measured @ measured, model @ measured), rel=1e-3, abs=1e-7)
     assert Moments().summary('Pa').samples == 0
 
 
