@@ -51,16 +51,20 @@ def _too_long(path: str) -> bool:
 def in_sections(rig: Rig, args: argparse.Namespace) -> Comparison:
     """Compare a log section by section."""
     from hst_drive.bag import cut_log, ChannelMap, load_channel_map
+    from hst_drive.measure.balances import is_part
     from hst_drive.measure.compare import model_of
     from hst_drive.measure.run import refuse_impossible
     from hst_drive.measure.sections import AFTER, BEFORE, compare_sections
 
     path, seconds = args.logs[0], 60.0 * (args.sections or MINUTES)
     mapping = load_channel_map(args.channels) if args.channels else ChannelMap()
-    cut = cut_log(path, mapping, seconds, BEFORE, AFTER)
+    cut, again = (cut_log(path, mapping, seconds, BEFORE, AFTER) for _ in range(2))
     first = next(cut, None)
     if first is None:
         raise InputError(f'{path}: holds too few rows to compare')
+    run = first.run
+    if rig.whole and is_part(run, rig):     # unless its commands begin later
+        run = next((other.run for other in again if not is_part(other.run, rig)), run)
 
     def progress(done: float) -> None:
         if sys.stderr.isatty():
@@ -71,5 +75,5 @@ def in_sections(rig: Rig, args: argparse.Namespace) -> Comparison:
             refuse_impossible(section.run)
             yield section
 
-    return compare_sections(model_of(rig, [first.run]), Path(path).stem, path, sections(),
+    return compare_sections(model_of(rig, [run]), Path(path).stem, path, sections(),
                             seconds, all_seconds=args.all, progress=progress)

@@ -169,12 +169,15 @@ def _factors(diagnosis: dict, source: str) -> dict[str, float]:
     return _known_factors(factors, source, 'calibration')
 
 
-def _known_factors(factors: dict, source: str, where: str) -> dict[str, float]:
+def _known_factors(factors: object, source: str, where: str) -> dict[str, float]:
+    if not isinstance(factors, dict):
+        raise InputError(f"{source}: key '{where}' is {type(factors).__name__}, expected factors "
+                         'by quantity; write the diagnosis again')
     for key, value in factors.items():
         if key not in TOLERANCES:
             raise InputError(f"{source}: key '{where}' names '{key}'; known: "
                              f'{", ".join(TOLERANCES)}')
-        if not isinstance(value, float):
+        if isinstance(value, bool) or not isinstance(value, int | float):
             raise InputError(f"{source}: key '{where}.{key}' is {value!r}, expected a number; "
                              'write the diagnosis again')
     return factors

@@ -189,7 +189,7 @@ def _as_ratio(tolerance: float) -> float:
 
 def _follow_viscosity(effects: Iterable[str]) -> bool:
     """Return whether an effect's size is one at the temperature of the rig file's tables."""
-    known = catalogue()
+    known = catalogue(everything=True)
     return any({'viscosity_ratio', 'characterised_at'} & {*arguments(function)}
                for effect in effects for _, function in known[effect].terms)
 

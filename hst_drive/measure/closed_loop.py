@@ -8,6 +8,7 @@ import math
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.noise import noise_std
+from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -31,8 +32,9 @@ def command_floor(drive: Drive, run: Run, noise: float, speed_floor: float) -> f
     command, and so has the variance ki*T/(2*G) times that of the speed.
     """
     controller, pump = drive.rig.controller, drive.rig.pump
-    usual = float(np.nanmedian(run['pump_command']))
-    ends = np.clip([usual - 0.5, usual + 0.5], pump.displacement.x[0], pump.displacement.x[-1])
+    low, high = pump.displacement.x[[0, -1]]
+    usual = np.clip(np.nanmedian(run['pump_command']), low, high)
+    ends = np.clip([usual - 0.5, usual + 0.5], low, high)
     slope = float(np.diff(pump.displacement(ends))[0] / np.diff(ends)[0])
     gain = max(slope, 1e-12) * pump.shaft_speed / drive.rig.motor.displacement
     memory = controller.ki * controller.sample_time / (2 * gain)
@@ -49,14 +51,24 @@ def closed_loop_signals(drive: Drive, run: Run, replay: Replay) -> dict[str, np.
     controller = PiController(settings.kp, settings.ki, settings.sample_time,
                               settings.output_limits)
     controller.reset(float(replay.inputs['pump_command'][0]))
-    disturbance = replay.disturbance(drive)
+    # The controller steps between rows that are further apart, too.
+    steps = np.maximum(np.rint(np.diff(run.time) / settings.sample_time), 1.0)
+    places = np.append(0, np.cumsum(steps).astype(int))
+    between = np.interp(np.arange(places[-1] + 1), places, np.arange(len(run)))
+
+    def finer(values: np.ndarray, held: bool = False) -> np.ndarray:
+        return values[between.astype(int)] if held else np.interp(
+            between, np.arange(len(run)), values)
+
+    setpoint = finer(filled(run['speed_setpoint'], hold=True), held=True)
+    pprv = finer(replay.inputs['pprv_command'], replay._between.held)
+    time, temperature, disturbance = map(finer, (
+        run.time, replay.inputs['oil_temperature'], replay.disturbance(drive)))
     state = replay.start(drive)
-    time, setpoint = run.time, run['speed_setpoint']
     rows: list[dict[str, float]] = []
     command, due = 0.0, time[0]
     for k in range(len(time)):
-        inputs = {'pprv_command': replay.inputs['pprv_command'][k],
-                  'oil_temperature': replay.inputs['oil_temperature'][k],
+        inputs = {'pprv_command': pprv[k], 'oil_temperature': temperature[k],
                   'load_disturbance': disturbance[k]}
         row = drive.outputs(state, pump_command=command, **inputs)
         while due <= time[k] + 1e-9:
@@ -66,5 +78,5 @@ def closed_loop_signals(drive: Drive, run: Run, replay: Replay) -> dict[str, np.
         rows.append(row)
         if k + 1 < len(time):
             state = drive.advance(state, time[k + 1] - time[k], pump_command=command, **inputs)
-    names = (*replay.signals, 'pump_command')
-    return {name: np.array([row[name] for row in rows]) for name in names}
+    return {name: np.array([rows[k][name] for k in places])
+            for name in (*replay.signals, 'pump_command')}

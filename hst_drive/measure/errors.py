@@ -17,9 +17,9 @@ class Russell(NamedTuple):
     comprehensive: float
 
 
-def russell(model: np.ndarray, measured: np.ndarray) -> Russell:
+def russell(a: float, b: float, c: float) -> Russell:
     """
-    Return Russell's errors.
+    Return Russell's errors of a model f and a measurement g.
 
     With A = sum f^2, B = sum g^2, C = sum f*g: relative magnitude m = (A-B)/sqrt(A*B), magnitude
     error M = sign(m)*log10(1+|m|), phase error P = arccos(C/sqrt(A*B))/pi, comprehensive error
@@ -27,8 +27,8 @@ def russell(model: np.ndarray, measured: np.ndarray) -> Russell:
 
     Parameters
     ----------
-    model, measured : ndarray, shape (n,)
-        In the same unit.
+    a, b, c : float
+        A, B and C, in the square of the signals' unit.
 
     Returns
     -------
@@ -41,12 +41,6 @@ def russell(model: np.ndarray, measured: np.ndarray) -> Russell:
     Shock and Vibration Symposium, 1997.
 
     """
-    return russell_of_sums(float(model @ model), float(measured @ measured),
-                           float(model @ measured))
-
-
-def russell_of_sums(a: float, b: float, c: float) -> Russell:
-    """Return Russell's errors from A, B and C (``russell``)."""
     if a <= 0 or b <= 0:
         return Russell(math.nan, math.nan, math.nan)
     root = math.sqrt(a) * math.sqrt(b)
@@ -118,7 +112,7 @@ class Moments:
         return ErrorSummary(
             unit, self.count, rmse, self.error / self.count, self.largest, noise, floor,
             rmse / floor if floor > 0 else math.inf, 1 - rmse / spread if moves else math.nan,
-            russell_of_sums(*self.sums))
+            russell(*self.sums))
 
 
 def summarise(model: np.ndarray, measured: np.ndarray, unit: str, noise: float,

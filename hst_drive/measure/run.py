@@ -60,11 +60,15 @@ class Run:
         return float(np.median(np.diff(self.time)))
 
     def between(self, start: float, end: float) -> Run:
-        """Return the part with ``start <= time < end`` (s)."""
+        """Return the part with ``start <= time < end`` (s), of the channels with numbers there."""
         keep = (self.time >= start) & (self.time < end)
+        channels = {name: values[keep] for name, values in self.channels.items()}
+        off = [name for name, values in channels.items() if not np.isfinite(values).any()]
         return Run(self.name, self.time[keep],
-                   {name: values[keep] for name, values in self.channels.items()},
-                   self.source, self.notes)
+                   {name: values for name, values in channels.items() if name not in off},
+                   self.source, (*self.notes, *(
+                       f'{name}: no numbers from {start:g} to {end:g} s; left out'
+                       for name in off)))
 
     def slower(self, sample_time: float) -> Run:
         """
@@ -82,6 +86,8 @@ class Run:
         half = (step - 1) // 2
         kept = np.arange(first, len(self), step)
         kept = kept[(kept >= half) & (kept + max(half + 1, step) <= len(self))]
+        if len(kept) < 2:
+            return self     # too short for a time between samples
         around = kept[:, None] + np.arange(-half, half + 1)
         after = kept[:, None] + np.arange(step)
         channels = {}

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Iterable, NamedTuple
 
+from hst_drive.channels import COMMANDS
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare_log, Comparison, LogComparison, Sections
 from hst_drive.measure.errors import Moments
@@ -47,7 +48,7 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
                      sections: Iterable[tuple[Run, float, float]], seconds: float = SECONDS, *,
                      all_seconds: bool = False, progress=lambda done: None) -> Comparison:
     """
-    Compare one long log with a model.
+    Compare one long log with a model; sections without a command of the drive are left out.
 
     Parameters
     ----------
@@ -69,24 +70,29 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
     parts: list[_Part] = []
     delays: dict[str, list[float]] = {}
     spans: list[Span] = []
-    kept: dict[str, float] = {}
-    missing: Counter[str] = Counter()
+    kept: Counter[str] = Counter()      # of the samples
+    whole = isinstance(drive, Drive)
+    there = Counter(dict.fromkeys(COMMANDS if whole else (), 0))    # rows of each command
     shifts, notes = [], []
     count = samples = 0
     stride = 1
     sample_time = seconds
     for run, start, end in sections:
-        log = compare_log(drive, run, all_seconds=all_seconds)
         own = (run.time >= start) & (run.time < end)
-        rows = int(own.sum())
-        missing.update(missing_rows(run, own))
+        rows, last = int(own.sum()), min(end, float(run.time[-1]))
+        samples += rows
+        there.update({entry: rows - lost for entry, lost in missing_rows(run, own).items()})
+        if off := [entry for entry in COMMANDS if whole and entry not in run]:
+            _join(spans, [Span(start, last, f'{off[0]} missing')], start, last)
+            continue
+        log = compare_log(drive, run, all_seconds=all_seconds)
         for signal, entry in log.signals.items():
             sums.setdefault(signal, Moments()).add(
                 log.model[signal][own], log.measured(signal)[own], entry.noise_std, entry.floor)
             delays.setdefault(signal, []).append(log.delays[signal])
         for why, share in log.judged.kept.items():
-            kept[why] = (kept.get(why, 0.0) * samples + share * rows) / (samples + rows)
-        _join(spans, log.judged, start, min(end, float(run.time[-1])))
+            kept[why] += share * rows
+        _join(spans, log.judged.left_out, start, last)
         shifts.append(log.shift)
         notes += [note for note in run.notes if note not in notes]
         sample_time = run.sample_time if not count else sample_time
@@ -96,15 +102,17 @@ def compare_sections(drive: Drive | PartModel, name: str, source: str,
         if sum(len(part.time) for part in parts) > _MOST:
             stride *= 2
             parts = [part.thin(slice(None, None, 2)) for part in parts]
-        count, samples = count + 1, samples + rows
-        progress(float(run.time[-1]) if np.isinf(end) else end)
+        count += 1
+        progress(last)
+    refuse_starved(source, {entry: samples - rows for entry, rows in there.items()}, samples)
     if not count:
         raise InputError(f'{source}: holds no section with enough rows to compare')
-    refuse_starved(source, missing, samples)
     return _result(drive, name, source, sums, parts, Sections(
         count, seconds, BEFORE, AFTER, samples, sample_time), {
             signal: float(np.median(values)) for signal, values in delays.items()},
-        float(np.median(shifts)), Judged(np.zeros(0, dtype=bool), tuple(spans), kept), notes)
+        float(np.median(shifts)), Judged(
+            np.zeros(0, dtype=bool), tuple(spans),
+            {why: part / samples for why, part in kept.items()}), notes)
 
 
 def _result(drive, name, source, sums, parts, cut, delays, shift, judged, notes) -> Comparison:
@@ -132,9 +140,9 @@ def _joined(entries: list[dict[str, np.ndarray]], parts: list[_Part]) -> dict[st
                                   for entry, part in zip(entries, parts)]) for name in names}
 
 
-def _join(spans: list[Span], judged: Judged, start: float, end: float) -> None:
+def _join(spans: list[Span], more: Iterable[Span], start: float, end: float) -> None:
     """Add a section's own spans to those of the log."""
-    for span in judged.left_out:
+    for span in more:
         first, last = max(span.start, start), min(span.end, end)
         if first < last:
             if spans and first <= spans[-1].end and spans[-1].why == span.why:

@@ -211,6 +211,30 @@ def test_bad_diagnoses(tmp_path, capsys, case):
     assert not (tmp_path / 'rig.yaml').exists()
 
 
+def with_formula(factors):
+    """Return a diagnosis with a formula for what is unknown, found with these factors."""
+    size = {'value': 0.1, 'low': 0.0, 'high': 0.2, 'unit': '1'}
+    content = {**diagnosis(), 'effects': [], 'verdict': 'unknown'}
+    return {**content, 'unknown': {'formula': {
+        'id': 'formula_load', 'parameters': {'coefficient_1': size}, 'beside': {},
+        'factors': factors}}}
+
+
+@pytest.mark.parametrize('factors, written', [({'motor.leakage': 2}, 2.0), ({}, None)])
+def test_factors_may_be_whole_numbers_or_none(factors, written):
+    rig = adopt(read_yaml(RIG), with_formula(factors), 'd.json', 'rig.yaml', formula=True)
+    assert rig['calibration'].get('motor.leakage') == written
+
+
+@pytest.mark.parametrize('factors, key', [
+    (None, 'is NoneType'), ([1.1], 'is list'), ({'motor.leakage': '2'}, "motor.leakage' is '2'"),
+    ({'motor.leakage': True}, "motor.leakage' is True")])
+def test_factors_that_are_none_are_refused(factors, key):
+    with pytest.raises(InputError, match=r"^d\.json: key 'unknown\.formula\.factors") as problem:
+        adopt(read_yaml(RIG), with_formula(factors), 'd.json', 'rig.yaml', formula=True)
+    assert key in str(problem.value) and 'write the diagnosis again' in str(problem.value)
+
+
 def test_what_is_told_alone_is_no_reason_to_refuse(tmp_path):
     content = diagnosis()
     content['logs'] = content['effects'][0]['indistinguishable_from'] = None

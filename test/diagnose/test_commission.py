@@ -88,6 +88,7 @@ def test_a_unit_three_tolerances_below_its_make_is_learnt():
 
 @pytest.mark.parametrize('effects, celsius', [
     ({}, 60.0), ({'bearing_friction': {'coulomb': 5.0}}, 60.0),
+    ({'formula_pump_flow': {'coefficient_1': 1e-9}}, 60.0),
     ({'viscous_drag': {'coefficient': 0.5}}, 50.0), ({'line_loss': {'laminar': 1e8}}, 50.0)])
 def test_what_goes_with_the_viscosity_keeps_its_reference(effects, celsius):
     """The drag at 60 degC is what it was; the make's tables are those of 50 degC."""

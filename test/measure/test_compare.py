@@ -8,6 +8,7 @@ from hst_drive.bag import read_log
 from hst_drive.bag.align import align, Signal
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
+from hst_drive.measure.closed_loop import command_floor
 from hst_drive.measure.compare import compare
 from hst_drive.measure.readings import Readings
 from hst_drive.measure.run import Run
@@ -53,6 +54,25 @@ def test_closed_loop_gives_the_command_within_its_noise():
 
 
 @pytest.mark.needs_numba
+def test_closed_loop_holds_a_set_point_through_its_gaps():
+    run = closed_loop_record(20.0)
+    run.channels['speed_setpoint'][np.arange(len(run)) % 3 == 2] = np.nan
+    assert compare(Drive(RIG), [run], closed_loop=True).signals['pump_command'].noise_ratio < 1.3
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('kept', [
+    lambda time: np.arange(len(time)) % 20 == 0, lambda time: (time < 31.0) | (time > 31.5)],
+    ids=['slow rows', 'a pause'])
+def test_closed_loop_steps_between_the_rows(kept):
+    run = closed_loop_record(60.0)
+    rows = kept(run.time)
+    run = replace(run, time=run.time[rows], channels={
+        name: values[rows] for name, values in run.channels.items()})
+    assert compare(Drive(RIG), [run], closed_loop=True).signals['pump_command'].noise_ratio < 1.3
+
+
+@pytest.mark.needs_numba
 def test_closed_loop_shows_a_hidden_effect_in_the_command():
     run = closed_loop_record(20.0, {'motor_leakage': {'conductance': 3e-12}})
     signals = compare(Drive(RIG), [run], closed_loop=True).signals
@@ -67,6 +87,15 @@ def test_closed_loop_on_a_sample():
     for name in ('pump_command', 'motor_speed', 'pump_outlet_pressure', 'motor_inlet_flow'):
         assert 0.9 < signals[name].noise_ratio < 1.15, name
     assert signals['pump_command'].rmse < 0.0015
+
+
+@pytest.mark.parametrize('command', [-0.6, 10.6])
+def test_the_floor_of_a_command_beyond_the_table_is_that_of_its_end(command):
+    drive = Drive(RIG)
+    floors = [command_floor(drive, Run('log', np.arange(2.0), {
+        'pump_command': np.full(2, volts)}), 1e-3, 1e-2) for volts in (
+            command, np.clip(command, 0.0, 10.0))]
+    assert floors[0] == floors[1] > 1e-3
 
 
 @pytest.mark.parametrize('missing', ['speed_setpoint', 'controller'])

@@ -83,6 +83,17 @@ def test_moments_are_the_errors_of_all_samples():
     assert found[1:-1] == pytest.approx([
         known.sum(), rmse, error.mean(), np.abs(error).max(), 0.5, 2.0, rmse / 2.0,
         1.0 - rmse / np.std(measured[known])], rel=1e-9)
-    assert found.russell == pytest.approx(russell(model[known], measured[known]), rel=1e-3,
-                                          abs=1e-7)
+    model, measured = model[known], measured[known]
+    assert found.russell == pytest.approx(russell(
+        model @ model, measured @ measured, model @ measured), rel=1e-3, abs=1e-7)
     assert Moments().summary('Pa').samples == 0
+
+
+@pytest.mark.needs_numba
+def test_what_is_too_much_to_leave_out_is_told_as_a_share_of_the_whole_log(monkeypatch):
+    """It fills most of the first of six sections and none of the others."""
+    run = record(4, duration=12.0)
+    run.channels['pump_outlet_pressure'][:180] = 0.0    # and the ringing after it
+    found = compare_sections(Drive(RIG), 'log', 'log.csv', (
+        (run.between(start, start + 2.0), start, start + 2.0) for start in range(0, 12, 2)), 2.0)
+    assert found.logs[0].judged.kept['cavitation'] == pytest.approx(1.0 / 6.0)

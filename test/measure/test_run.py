@@ -54,6 +54,20 @@ def test_slower_leaves_slow_records_alone():
     assert run.slower(0.008) is run
 
 
+@pytest.mark.parametrize('rows', [10, 12, 17])
+def test_slower_leaves_records_alone_of_which_no_two_samples_would_be_left(rows):
+    run = _run(rows, 0.001)
+    assert run.slower(0.008) is run
+
+
 def test_between_takes_the_first_and_leaves_the_last():
     part = _run().between(0.1, 0.2)
     assert part.time[0] == 0.1 and part.time[-1] < 0.2 and len(part) == 50
+
+
+def test_a_part_in_which_a_sensor_was_off_has_no_such_channel():
+    run = _run()
+    run.channels['motor_inlet_flow'] = np.where(run.time < 1.0, 3e-4, np.nan)
+    part = run.between(1.0, 2.0)
+    assert 'motor_inlet_flow' not in part and 'motor_inlet_flow' in run.between(0.5, 2.0)
+    assert part.notes == ('motor_inlet_flow: no numbers from 1 to 2 s; left out',)
