@@ -10,7 +10,7 @@ from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, ODD, REACHED, SOUND, Summary, THERE, UNTOLD)
 from hst_drive.fleet.track import OIL
 from hst_drive.fleet.words import (
-    amount, day, due, goes, many, of_machine, rate, sentence, since, size)
+    amount, day, due, goes, many, of_machine, sentence, since, size)
 from hst_drive.report.markup import element, join, Markup, note, section, table
 from hst_drive.report.page import asset
 
@@ -98,8 +98,8 @@ def _overview(summary: Summary) -> Markup:
         last = machine.events[-1] if machine.events else None
         rows.append([
             element('a', machine.name, href=f'#machine-{number}'), _badge(machine),
-            join([element('strong', entry.effect), goes(entry) + (
-                f' by {rate(entry)}' if entry.grows else '')], ': ') if entry else '',
+            join([element('strong', entry.effect), goes(entry)], ': ') if entry
+            else f'by the last log: {", ".join(machine.named)}' if machine.named else '',
             size(entry) if entry else '',
             since(entry).removeprefix('since ') if entry else '', due(entry) if entry else '',
             f'{day(last.after)} to {day(last.before)}: {last.what}' if last else '',

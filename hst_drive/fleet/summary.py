@@ -65,7 +65,7 @@ class Machine(NamedTuple):
     A machine: state, what is followed (the most urgent first), events, campaigns.
 
     ``unit`` is the file that it is judged by, or why it has none of its own; ``effects`` are the
-    numbers of campaigns in which each effect was named.
+    numbers of campaigns in which each effect was named, ``named`` those of the last one.
     """
 
     name: str
@@ -79,6 +79,7 @@ class Machine(NamedTuple):
     events: tuple[Event, ...]
     last: str
     sentence: str
+    named: tuple[str, ...]
 
 
 class Point(NamedTuple):
@@ -149,7 +150,8 @@ def _machine(name: str, lives: Lives, limits: Limits) -> Machine:
         dict(Counter(entry['verdict'] for entry in done)),
         dict(Counter(effect['id'] for entry in done for effect in entry['effects'])),
         tuple(entries), tuple(events(entries)), own[-1]['date'] or '',
-        done[-1]['sentence'] if done else own[-1]['reason'] or '')
+        done[-1]['sentence'] if done else own[-1]['reason'] or '',
+        tuple(effect['id'] for effect in done[-1]['effects']) if done else ())
 
 
 def _state(entries: Sequence[Followed], last: dict | None) -> str:

@@ -49,6 +49,11 @@ def rate(entry: Followed) -> str:
     return _with_interval([_YEAR * value for value in entry.growth.rate], entry.unit) + ' a year'
 
 
+def _moves(entry: Followed) -> str:
+    now = ', now' * (entry.growth.kind == 'accelerates')
+    return f'{entry.growth.kind}{now} by {rate(entry)}'
+
+
 def _with_interval(values: Sequence[float], unit: str) -> str:
     low, (middle, _, shown), high = (amount(value, unit).partition(' ') for value in values)
     return f'{middle} ({low[0]} to {high[0]}) {shown}'
@@ -75,7 +80,7 @@ def trend(entry: Followed) -> str:
     elif growth.kind == 'not clear':
         told = 'not clear whether it grows: more dates will tell'
     else:
-        told = f'{growth.kind} by {rate(entry)} {since(entry)}'
+        told = f'{_moves(entry)} {since(entry)}'
     return told + ('; goes with the oil temperature' if growth.season > 0.5 else '')
 
 
@@ -106,7 +111,9 @@ def due(entry: Followed) -> str:
 
 
 def goes(entry: Followed) -> str:
-    """Say in a word what a size does."""
+    """Say what a size does, and how fast it grows now."""
+    if entry.grows:
+        return _moves(entry)
     return {'not clear': 'growth not clear', 'too few dates': 'too few dates to say'}.get(
         entry.growth.kind, entry.growth.kind)
 
