@@ -280,4 +280,5 @@ class PartReplay:
                 shift = moved[name] - base[name] - own
                 judged = shift[self.counted(name)]
                 power[name] += float(np.mean(judged**2)) / DRAWS if len(judged) else 0.0
-        return {name: float(np.sqrt(value)) for name, value in power.items()}
+        # No judged row, no floor: the noise stands in, since errors are divided by it.
+        return {name: float(np.sqrt(value)) or self.noise[name] for name, value in power.items()}

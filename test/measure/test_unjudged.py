@@ -4,6 +4,8 @@
 from dataclasses import replace
 
 from bench.campaigns import as_runs
+from hst_drive.identify.campaign import Model
+from hst_drive.identify.part import campaign_of
 from hst_drive.measure.compare import compare
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
@@ -12,6 +14,7 @@ from hst_drive.rig import default_rig
 import numpy as np
 import pytest
 
+from ..diagnose import benches
 from ..truth import make_campaign
 
 TIME = np.arange(4000) * 0.005
@@ -26,6 +29,16 @@ def test_a_signal_without_a_usable_row_is_left_out_and_told():
     assert 'load_torque' not in found.signals and 'motor_speed' in found.signals
     assert found.logs[0].unjudged == ('load_torque',)
     assert 'load_torque, of which no row can be judged' in text(found)
+
+
+def test_a_log_at_rest_beside_one_that_turns_changes_nothing_of_a_part():
+    """No row of it is judged, and so it has no floor of its own."""
+    turning, rest = (benches.motor_bench(seed=seed) for seed in (1, 2))
+    rest.channels['motor_speed'] = benches.NOISE['motor_speed'] * np.random.default_rng(
+        0).standard_normal(len(rest))
+    alone, both = (campaign_of(benches.motor_rig(), runs) for runs in (
+        [turning], [rest, turning]))
+    assert both.ratios(both.errors(Model()), True) == alone.ratios(alone.errors(Model()), True)
 
 
 def cut(run, row):
