@@ -3,7 +3,7 @@
 """Which balances a log of a part closes, and which channels would close one."""
 from __future__ import annotations
 
-from typing import Any, Callable, Container
+from typing import Any, Callable, Container, Iterable
 
 from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
@@ -19,6 +19,7 @@ _VARIES = 0.05          # of the largest value: less is noise about one operatin
 USUAL = 95.0            # percentile of a reading's size
 _BACKWARDS, _SELDOM = 0.02, 0.01     # of the greatest speed; of the rows
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
+_LIKELY = ('hydromotor torque', 'mass', 'pump flow', 'hydromotor flow')
 _STROKES = ('pump_command', 'pump_displacement', FIXED_PUMP)
 
 
@@ -131,20 +132,21 @@ def untold(balance: Balance, values: np.ndarray) -> float:
     return balance.sheet * float(np.percentile(known, USUAL)) if len(known) else 0.0
 
 
-def what_would_close(run: Run, rig: Rig) -> str:
-    """Return the line for a log that closes no balance."""
+def what_would_close(run: Run, rig: Rig, balances: Iterable[Balance] = ()) -> str:
+    """Return the line for a log that closes no balance, of a circuit's own if they are given."""
     texts = []
-    for balance in BALANCES.values():
+    for balance in balances or (BALANCES[name] for name in _LIKELY):
         lacks = lacking(balance, run, rig)
         present = len(balance.needs) + 1 - sum("'" not in text for text in lacks)
-        if balance.name in ('hydromotor torque', 'hydromotor flow', 'pump flow', 'mass'):
-            texts.append((-present, len(lacks), f'{balance.name} lacks {", ".join(lacks)}'))
+        texts.append((len(lacks) if balances else -present, len(lacks),
+                      f'{balance.name} lacks {", ".join(lacks)}'))
     texts.sort(key=lambda item: item[:2])
     listed = '; '.join(text for _, _, text in texts[:3])
     have = ', '.join(name for name in run.channels) or 'none but time'
-    return (f'{run.source}: its channels ({have}) close no balance: {listed}; a replay of the '
-            'whole drive needs pump_command and pprv_command; name foreign columns with '
-            '--channels')
+    circuit = f" of 'circuit: {rig.circuit}'" if balances else ''
+    whole = '' if balances else ' a replay of the whole drive needs pump_command and pprv_command;'
+    return (f'{run.source}: its channels ({have}) close no balance{circuit}: {listed};{whole} '
+            'name foreign columns with --channels')
 
 
 def is_part(run: Run, rig: Rig) -> bool:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import is_table, lacking, untold
+from hst_drive.measure.balances import is_table, lacking, untold, what_would_close
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
 from hst_drive.measure.part import PartReplay
@@ -92,18 +92,10 @@ class CircuitReplay(PartReplay):
             raise InputError(
                 f'{run.source}: its rows are operating points, {run.sample_time:.3g} s apart; '
                 f"'circuit: {model.circuit.id}' needs a recording with 20 rows a second or more")
-        found, lacks = {}, []
-        for balance in model.circuit.balances:
-            missing = lacking(balance, run, model.rig)
-            if not missing:
-                found[balance.signal] = balance
-            lacks.append((len(missing), f'{balance.name} lacks {", ".join(missing)}'))
+        found = {balance.signal: balance for balance in model.circuit.balances
+                 if not lacking(balance, run, model.rig)}
         if not found:
-            have = ', '.join(run.channels) or 'none but time'
-            least = '; '.join(text for _, text in sorted(lacks)[:3])
-            raise InputError(
-                f"{run.source}: its channels ({have}) close no balance of 'circuit: "
-                f"{model.circuit.id}': {least}; name foreign columns with --channels")
+            raise InputError(what_would_close(run, model.rig, model.circuit.balances))
         rows = {name: self._where(run, model, balance) for name, balance in found.items()}
         judged = {name: found[name] for name, where in rows.items()
                   if np.mean(where) > _FEW} or found

@@ -61,7 +61,7 @@ def closed_loop_signals(drive: Drive, run: Run, replay: Replay) -> dict[str, np.
             between, np.arange(len(run)), values)
 
     setpoint = finer(filled(run['speed_setpoint'], hold=True), held=True)
-    pprv = finer(replay.inputs['pprv_command'], replay._between.held)
+    pprv = finer(replay.inputs['pprv_command'], replay.between.held)
     time, temperature, disturbance = map(finer, (
         run.time, replay.inputs['oil_temperature'], replay.disturbance(drive)))
     state = replay.start(drive)

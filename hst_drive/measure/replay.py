@@ -83,6 +83,8 @@ class Replay:
         White noise of each signal, SI, estimated from the record.
     roughness : Coloured
         Coloured part of the unexplained load torque, N.m.
+    between : Between
+        The steps of the controller between the rows.
     steps : dict of str to Steps
         Commands as the controller gave them, as far as the rows tell, V.
 
@@ -116,7 +118,7 @@ class Replay:
         self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
             self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))
-        self._between = Between.rows(drive.rig, run.sample_time)
+        self.between = Between.rows(drive.rig, run.sample_time)
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
             temperature = np.full(len(time), drive.rig.characterised_at)
@@ -140,11 +142,11 @@ class Replay:
                 # A log may begin at a load step: then the PPRV comes from another command.
                 self.inputs['pprv_command'] = np.append(
                     before, self.inputs['pprv_command'][1:])
-        if self._between.steps > 1:
+        if self.between.steps > 1:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.
             line, held = (self._misfit(drive, choice) for choice in (False, True))
-            self._between = self._between._replace(held=held < HELD * line)
+            self.between = self.between._replace(held=held < HELD * line)
             self.stamps = 0.3 * run.sample_time
         self._prepare(drive)
         if 'motor_speed' in run:
@@ -156,7 +158,7 @@ class Replay:
 
     def _misfit(self, drive: Drive, held: bool) -> float:
         """Return the squared error over the noise with one way to fill in the commands."""
-        self._between = self._between._replace(held=held)
+        self.between = self.between._replace(held=held)
         noise = dict(self.noise)
         self._prepare(drive)
         model = self.predict(drive)
@@ -189,7 +191,7 @@ class Replay:
 
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
         speed = self._true_speed(drive) if speed is None else speed
-        between, inputs = self._between, self.inputs
+        between, inputs = self.between, self.inputs
 
         def load() -> np.ndarray:
             angle = inputs.get('motor_angle')
@@ -212,12 +214,12 @@ class Replay:
                   commands: Mapping[str, np.ndarray] = {},
                   extra: np.ndarray | None = None) -> dict[str, np.ndarray]:
         inputs = {**self.inputs, **commands, 'load_disturbance': disturbance}
-        finer = {name: self._between.finer(values, name in COMMANDS)
+        finer = {name: self.between.finer(values, name in COMMANDS)
                  for name, values in inputs.items()}
         if extra is not None:
             finer['load_disturbance'] = finer['load_disturbance'] + extra
-        signals = self._motion(drive, self._between.finer(self.run.time), finer)
-        return {name: self._between.at_rows(values) for name, values in signals.items()}
+        signals = self._motion(drive, self.between.finer(self.run.time), finer)
+        return {name: self.between.at_rows(values) for name, values in signals.items()}
 
     def _motion(self, drive: Drive, time: np.ndarray,
                 inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -383,7 +385,7 @@ class Replay:
         if extra is not None or commands:
             return self._predict(drive, extra, commands)
         return dict(self._predicted.get(
-            drive.key(), (self.inputs, self.readings, self._between, self.roughness, self.signals),
+            drive.key(), (self.inputs, self.readings, self.between, self.roughness, self.signals),
             lambda: self._predict(drive, extra, commands)))
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
@@ -404,10 +406,10 @@ class Replay:
 
     def _finely(self) -> Smoother:
         """Return a smoother of the load at all steps: rock moves between rows as well."""
-        steps = self._between.steps
+        steps = self.between.steps
         if steps == 1:
             return self._smoother
-        time = self._between.finer(self.run.time)
+        time = self.between.finer(self.run.time)
         known = np.zeros(len(time), dtype=bool)
         known[::steps] = np.isfinite(self.run[self.torque])
         return Smoother(time, self.roughness, known)
@@ -420,7 +422,7 @@ class Replay:
     def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
         """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
         shaft = self._shaft(drive)
-        smoother, steps = self._finely(), self._between.steps
+        smoother, steps = self._finely(), self.between.steps
         for _ in range(self.draws):
             yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
                 self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
