@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Sequence
+from typing import Callable, Mapping, Sequence
 
 from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
@@ -15,7 +15,7 @@ from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
-from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
+from hst_drive.diagnose.unlisted import Unlisted, unlisted_beside, unlisted_instead
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
@@ -59,32 +59,19 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         If the logs lack the channels that a replay needs, or tell nothing.
 
     """
-    refuse_useless(rig, (*runs, *holdout))
-    refuse_wrong_units(rig, (*runs, *holdout))
-    drifting = drifts(rig, (*runs, *holdout))
+    logs = (*runs, *holdout)
+    refuse_useless(rig, logs)
+    refuse_wrong_units(rig, logs)
+    drifting = drifts(rig, logs)
     progress('calibrating the unit')
     campaign = campaign_of(rig, runs, holdout)
     sheet = fit(campaign, Model(), iterations=0)
     if not campaign.ratios(sheet.errors, True):
-        sources = ', '.join(run.source for run in (*runs, *holdout))
-        if sum(float(run.time[-1] - run.time[0]) for run in (*runs, *holdout)) > _SHORT:
-            refuse_unjudged(sources, campaign.signals)
-        raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
-                         'record at least 10 s, better a minute')
-    names = campaign.candidates()
+        _refuse_short(campaign, logs)
     search = Search(campaign, [], progress)
-    seen = visibility(campaign, search.base, names)
+    seen = visibility(campaign, search.base, campaign.candidates())
     search.candidates = tuple(entry.id for entry in seen if entry.tried)
-    best = standing(search, search.run())
-    left = search.unexplained(best)
-    more = one_cause(search, best, left)
-    if more:
-        best = search.baseline
-    better = unlisted_instead(search, best)
-    if better:
-        best = standing(search, without(search, best, better))
-    left = search.unexplained(best)
-    more = more or (None if better else unlisted_beside(search, best, left))
+    best, left, better, more = _explained(search)
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
@@ -92,11 +79,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if not remaining and (left or doubt):
         remaining = unknowns.describe(campaign, best.fit, doubt)
     drifting = [entry for entry in drifting if entry.channel in left]
-    mixed = left and not drifting
-    odd = outlier_record(campaign) if mixed else None
-    several = mixed and odd is None and several_drives(campaign)
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
+    odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
     limited = _at_limits(campaign, best.fit)
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
@@ -109,37 +94,23 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if or_none:
         rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     campaign = search.campaign      # its recordings may have been turned again
-    ladder = _ladder(search, best, order, sheet)
-    sized, sizes = settled(campaign, best.fit)
-    found = intervals(sized, sizes, forms(search, best)) if best.names else {}
-    effects = tuple(Found(
-        name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
-               for key, value in sizes.model.effects[name].items()},
-        removed, rivals[name], dict(rig.effects.get(name, {})))
-        for name, removed in zip(order, _removed(ladder)))
-    ranking = _ranking(search)
-    ambiguous, moved = any(rivals.values()), _calibration(campaign, best.fit)
-    unseen = outside(rig, (*runs, *holdout))
+    ladder, ranking = _ladder(search, best, order, sheet), _ranking(search)
+    effects = _found(search, best, order, rivals, ladder)
+    ambiguous = any(rivals.values())
+    unseen = outside(rig, logs)
     explained = {*best.names, *sum(rivals.values(), ())}
     hidden = {entry.id: entry.reason for entry in seen if entry.reason
               and entry.id not in explained}
     verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
+    # What is named beside a sensor that drifts may be the drift.
+    mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
+    said = sentence(verdict, effects, ladder, remaining,
+                    tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
+                    campaign.own_past, tuple(rig.effects)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            # What is named beside a sensor that drifts may be the drift.
-            *(f'{entry.told}; mend the sensor or leave its column out first.'
-              for entry in drifting),
-            *([] if odd is None else [
-                f'{(*runs, *holdout)[odd[0]].source} is unlike the others, which the model '
-                f'explains: {odd[1]} there explains it; mend that first, or leave the log out.']),
-            sentence(verdict, effects, ladder, remaining,
-                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
-                     campaign.own_past, tuple(rig.effects)).strip(),
-            *(['Each log alone is explained by a unit within its tolerances, but not all by the '
-               'same: were they recorded on several drives, or was a part changed in between?']
-              if several else []),
-            '' if or_none else limits(verdict, limited),
+            *mend, odd, said, several, '' if or_none else limits(verdict, limited),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
@@ -147,16 +118,79 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
-        calibration=moved, probability=given_answer(search, best, rivals, verdict),
-        unknown=remaining,
+        calibration=_calibration(campaign, best.fit),
+        probability=given_answer(search, best, rivals, verdict), unknown=remaining,
         next_test=_measure(search, best, limited) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
-        logs=tuple(run.source for run in (*runs, *holdout)),
+        logs=tuple(run.source for run in logs),
         held_out=tuple(run.source for run in holdout), outside=unseen,
         since=tuple((rig.provenance.get(SECTION) or {}).get('logs', ())))
+
+
+def _refuse_short(campaign: Campaign, logs: Sequence[Run]) -> None:
+    """Raise InputError: no row of these logs can be judged."""
+    sources = ', '.join(run.source for run in logs)
+    if sum(float(run.time[-1] - run.time[0]) for run in logs) > _SHORT:
+        refuse_unjudged(sources, campaign.signals)
+    raise InputError(f'{sources}: too short: after the start nothing is left to judge on; '
+                     'record at least 10 s, better a minute')
+
+
+def _explained(search: Search) -> tuple[
+        Candidate, dict[str, float], dict[str, Unlisted], Unlisted | None]:
+    """
+    Search for what explains the logs.
+
+    Returns
+    -------
+    best : Candidate
+        The best set of listed effects.
+    left : dict of str to float
+        Noise ratio of each signal that it does not explain.
+    better : dict of str to Unlisted
+        What is not listed and fits better in the place of an effect that was found.
+    more : Unlisted or None
+        What is not listed and fits better beside them.
+
+    """
+    best = standing(search, search.run())
+    left = search.unexplained(best)
+    more = one_cause(search, best, left)
+    if more:
+        best = search.baseline
+    better = unlisted_instead(search, best)
+    if better:
+        best = standing(search, without(search, best, better))
+    left = search.unexplained(best)
+    return best, left, better, more or (
+        None if better else unlisted_beside(search, best, left))
+
+
+def _unlike(campaign: Campaign, logs: Sequence[Run]) -> tuple[str, str]:
+    """Say which log is unlike the others, or that they seem to be of several drives."""
+    odd = outlier_record(campaign)
+    if odd is not None:
+        return (f'{logs[odd[0]].source} is unlike the others, which the model explains: {odd[1]} '
+                'there explains it; mend that first, or leave the log out.'), ''
+    return '', 'Each log alone is explained by a unit within its tolerances, but not all by the ' \
+        'same: were they recorded on several drives, or was a part changed in between?' \
+        if several_drives(campaign) else ''
+
+
+def _found(search: Search, best: Candidate, order: Sequence[str],
+           rivals: Mapping[str, tuple[str, ...]], ladder: Sequence[Step]) -> tuple[Found, ...]:
+    """Return the effects of a set with their sizes and intervals."""
+    campaign = search.campaign
+    sized, sizes = settled(campaign, best.fit)
+    found = intervals(sized, sizes, forms(search, best)) if best.names else {}
+    return tuple(Found(
+        name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
+               for key, value in sizes.model.effects[name].items()},
+        removed, rivals[name], dict(campaign.adopted.get(name, {})))
+        for name, removed in zip(order, _removed(ladder)))
 
 
 def _unit(effect: str, key: str) -> str:
