@@ -30,11 +30,12 @@ from hst_drive.bag.cdr import Codec, MalformedError
 from hst_drive.bag.channels import load_channel_map, parse_channel_map
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.diagnostic_values import read_values
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario
 from hst_drive.load.drilling_log import parse_drilling_log
 from hst_drive.load.scenario import parse_scenario
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.nodes.settings import parse_effects
 from hst_drive.resources import share
 from hst_drive.rig import default_rig, load_rig

@@ -15,11 +15,11 @@ import re
 
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
+from hst_drive.channels import CHANNELS
 from hst_drive.cli import verbs
 from hst_drive.effects import catalogue, READABLE, SLOTS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import BALANCES
-from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuits import circuits
 from hst_drive.rig.meanings import MEANINGS
 from hst_drive.rig.schema import Limits, Number, PART, SECTIONS, SENSOR_UNITS, Table, TOLERANCES

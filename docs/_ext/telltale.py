@@ -11,9 +11,9 @@ from functools import lru_cache
 from html import escape
 
 import hst_drive as hd
+from hst_drive.channels import CHANNELS
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
-from hst_drive.measure.run import CHANNELS
 from hst_drive.model import Drive
 from hst_drive.model.compose import kernel
 from hst_drive.rig import default_rig

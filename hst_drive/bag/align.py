@@ -13,10 +13,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hst_drive.bag.channels import channel_of, differences
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import SLOWEST
 from hst_drive.measure.faults import without_faults, without_lost_rows
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 import numpy as np
 
 MIN_ROWS = 10

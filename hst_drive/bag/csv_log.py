@@ -23,8 +23,9 @@ from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import (
     channel_of, ChannelMap, check_unit, differences, Entry, is_unit, left_out, split_header)
 from hst_drive.bag.stamps import check_time, DATE, seconds, spread
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.units import from_si
 import numpy as np
 

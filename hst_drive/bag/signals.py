@@ -16,8 +16,9 @@ from hst_drive.bag.rosbag2 import bag_blocks
 from hst_drive.bag.stream import Stream
 from hst_drive.bag.topic_numbers import TopicNumbers
 from hst_drive.bag.topics import DIAGNOSTIC_ARRAY, TOPICS
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 import numpy as np
 
 _APART = 1_000_000_000

@@ -16,6 +16,7 @@ from __future__ import annotations
 import copy
 from typing import Callable, Container, Iterator, Mapping, NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.dependence import STATIC
 from hst_drive.diagnose.free_forms import better, faint, Freer, PATIENT, told_as, Trial
 from hst_drive.diagnose.result import Unknown
@@ -25,7 +26,6 @@ from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import at_limit, Fit, fit, limited
 from hst_drive.identify.search import Candidate, Search
-from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.threads import each
 import numpy as np
 

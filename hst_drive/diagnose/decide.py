@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from typing import Callable, Mapping, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
@@ -29,7 +30,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import SECTION

@@ -7,6 +7,7 @@ from math import log
 from types import MappingProxyType
 from typing import Callable, Container, Mapping, NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
@@ -16,7 +17,6 @@ from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import excess, parts, PRACTICAL
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_unlisted
-from hst_drive.measure.run import CHANNELS
 import numpy as np
 
 _REST = 0.25            # of the excess squared error: who leaves more explains something else

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from typing import Mapping, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
 from hst_drive.identify.conditions import Outside
 from hst_drive.identify.evidence import Probability
 from hst_drive.identify.judge import CLEAN_FITTED
-from hst_drive.measure.run import CHANNELS
 from hst_drive.units import for_people
 
 

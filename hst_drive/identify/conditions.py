@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
 from hst_drive.effects.oil import GRADES, viscosity
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
 from hst_drive.rig.schema import UNTOLD

@@ -11,8 +11,8 @@ from __future__ import annotations
 import copy
 from typing import Any, Callable, NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.identify.campaign import Campaign
-from hst_drive.measure.run import CHANNELS
 from hst_drive.model.part import follow
 from hst_drive.rig.rig import Pump
 import numpy as np

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table, lacking, untold, what_would_close
 from hst_drive.measure.between import Between, HELD
@@ -17,7 +18,7 @@ from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance

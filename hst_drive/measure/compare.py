@@ -7,6 +7,7 @@ from dataclasses import replace
 import math
 from typing import NamedTuple, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part
 from hst_drive.measure.circuit import replay_of
@@ -15,7 +16,7 @@ from hst_drive.measure.errors import ErrorSummary, Moments, summarise
 from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.measure.useful import (
     missing_rows, refuse_other_circuit, refuse_starved, refuse_still, refuse_unjudged)
 from hst_drive.measure.where import operating_variables, Region, where

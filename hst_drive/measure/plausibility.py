@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence
 
-from hst_drive.channels import COMMANDS, PRESSURES, TORQUES
+from hst_drive.channels import CHANNELS, COMMANDS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.measure.balances import is_part
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.measure.signs import swapped
 from hst_drive.rig import Rig
 import numpy as np

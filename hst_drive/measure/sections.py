@@ -12,12 +12,12 @@ from __future__ import annotations
 from collections import Counter
 from typing import Iterable, NamedTuple
 
-from hst_drive.channels import COMMANDS
+from hst_drive.channels import CHANNELS, COMMANDS
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare_log, Comparison, LogComparison, Sections
 from hst_drive.measure.errors import Moments
 from hst_drive.measure.judged import Judged, Span
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.measure.useful import missing_rows, refuse_starved
 from hst_drive.measure.where import operating_variables, where
 from hst_drive.model import Drive

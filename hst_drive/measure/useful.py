@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from typing import Mapping, NoReturn, Sequence
 
-from hst_drive.channels import LINES, PRESSURES
+from hst_drive.channels import CHANNELS, LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part, is_table
 from hst_drive.measure.noise import steady_noise
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import NO_SIGN, STANDSTILL
 from hst_drive.units import from_si

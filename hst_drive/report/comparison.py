@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import Comparison, LogComparison
 from hst_drive.measure.errors import ErrorSummary
 from hst_drive.measure.plausibility import drifts, unit_doubts
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hst_drive.measure.useful import too_slow
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.terminal import table

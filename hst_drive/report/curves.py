@@ -6,8 +6,8 @@ from __future__ import annotations
 import base64
 from typing import Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import LogComparison
-from hst_drive.measure.run import CHANNELS
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
 

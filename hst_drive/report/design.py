@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from hst_drive.bag.topics import CHANNEL_FIELDS
+from hst_drive.channels import CHANNELS
 from hst_drive.design.design import Design
-from hst_drive.measure.run import CHANNELS
 from hst_drive.report.terminal import table
 from hst_drive.units import from_si
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import LogComparison
-from hst_drive.measure.run import CHANNELS
 from hst_drive.report.drawing import BLACK, BLUE, load_pyplot, save, VERMILION
 from hst_drive.units import difference_from_si, from_si
 import numpy as np

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import Comparison, pooled
-from hst_drive.measure.run import CHANNELS
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
 from hst_drive.units import difference_from_si, from_si

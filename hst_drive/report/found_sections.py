@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import re
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import not_known
 from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.identify.evidence import Probability
-from hst_drive.measure.run import CHANNELS
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
 from hst_drive.units import for_people
 

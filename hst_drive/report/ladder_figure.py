@@ -6,8 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Step
-from hst_drive.measure.run import CHANNELS
 from hst_drive.report.drawing import COLOURS, load_pyplot, save
 import numpy as np
 

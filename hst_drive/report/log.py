@@ -3,7 +3,8 @@
 """A recording as text."""
 from __future__ import annotations
 
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.channels import CHANNELS
+from hst_drive.measure.run import Run
 from hst_drive.report.terminal import table
 from hst_drive.units import from_si
 import numpy as np

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.losses.efficiency import Limits, Performance
-from hst_drive.measure.run import CHANNELS
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.compiled import compiles
 from hst_drive.rig import Rig

@@ -13,7 +13,7 @@ from bisect import bisect_left, bisect_right
 import math
 from typing import NamedTuple
 
-from hst_drive.measure.run import CHANNELS
+from hst_drive.channels import CHANNELS
 import numpy as np
 
 BILLION = 1_000_000_000

@@ -8,9 +8,9 @@ import re
 import shlex
 from typing import Callable, NamedTuple
 
+from hst_drive.channels import CHANNELS
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS
 from hst_drive.report.curves import measured_curves, model_curves, titles
 from hst_drive.report.fails import error_maps
 from hst_drive.report.found_sections import found_section, rivals_section, verdict

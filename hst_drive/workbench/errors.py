@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import LogComparison, pooled as over_all
-from hst_drive.measure.run import CHANNELS
 from hst_drive.units import difference_from_si
 
 

@@ -8,8 +8,8 @@ from hst_drive.bag.cdr import Codec
 from hst_drive.bag.channels import parse_channel_map
 from hst_drive.bag.definitions import find_definition
 from hst_drive.bag.topics import CHANNEL_FIELDS, markdown, STANDARD_UNITS, TOPICS
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS
 from hst_drive.units import si_unit
 import numpy as np
 import pytest

@@ -4,8 +4,9 @@
 from hst_drive.bag import read_csv, read_log, write_csv
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.csv_sections import csv_sections
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.run import CHANNELS, Run
+from hst_drive.measure.run import Run
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest

@@ -3,9 +3,9 @@
 """What every effect must be: one battery over the whole catalogue."""
 import types
 
+from hst_drive.channels import CHANNELS
 from hst_drive.effects import catalogue, origin, READABLE, readable, SLOTS
 from hst_drive.effects.base import arguments, Effect, Parameter
-from hst_drive.measure.run import CHANNELS
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pint

@@ -4,8 +4,8 @@
 from pathlib import Path
 
 from hst_drive.bag import read_log
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.faults import find_faults, without_faults, without_lost_rows
-from hst_drive.measure.run import CHANNELS
 import numpy as np
 import pytest
 
