@@ -128,8 +128,9 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             rig = {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {'exponent': law}}}
             made, within = _of_make(rig, source)
         elif found.verdict != 'none':
-            raise InputError(f'{run.source}: cannot be commissioned as healthy: {found.sentence} '
-                             'Mend or adopt that first, or leave the log out')
+            others = ' and the other logs together' if len(runs) > 1 else ''
+            raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
+                             f'{found.sentence} Mend or adopt that first, or leave the log out')
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
