@@ -54,7 +54,7 @@ def test_a_bench_of_the_hydromotor_alone_closes_the_return_line():
                               'motor_torque': np.full(500, 200.0)})
     rig = default_rig()
     replay = PartReplay(run, PartModel(rig))
-    assert replay.balances[GAUGE] == 'return line'
+    assert replay.balances[GAUGE].name == 'return line'
     without, outlet, lossy = (
         replay.predict(PartModel(rig, {'back_pressure': {
             'outlet_pressure': size, 'flow_share': 0.25, 'loss_share': loss}}))
