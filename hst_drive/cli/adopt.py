@@ -73,9 +73,9 @@ def run(args: argparse.Namespace) -> int:
 
 def _sizes(name: str, values: dict[str, float]) -> str:
     """Return the sizes of an effect in the units in which 'diagnose' prints them."""
-    from hst_drive.effects import catalogue
+    from hst_drive.effects import effect_of
 
-    units = {entry.name: entry.unit for entry in catalogue(everything=True)[name].parameters}
+    units = {entry.name: entry.unit for entry in effect_of(name).parameters}
     shown = {key: size(value, units[key]) for key, value in values.items()}
     return ', '.join(f'{key} = {number}' + (f' {unit}' if unit != '1' else '')
                      for key, (number, unit) in shown.items())

@@ -61,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
 
 def text(found: Commissioned) -> str:
     """Return the fingerprint for a terminal."""
-    from hst_drive.diagnose.commission import OIL_LAW
+    from hst_drive.effects.leakage_temperature import OIL_LAW
 
     rows = [[entry.quantity, f'{entry.factor:.4f}', f'{100 * entry.sigma:.2g}',
              f'{100 * entry.make:.2g}'] for entry in found.quantities]

@@ -150,7 +150,7 @@ def _pressure(run: Run) -> np.ndarray:
 def driver(rig: Rig, model: Model) -> Drive:
     """Return a drive with a model's effects and factors."""
     drive = Drive(rig, model.effects, max_step=5e-3)
-    drive.scale({key: float(np.exp(value)) for key, value in model.factors.items()})
+    drive.scale(model.scales)
     return drive
 
 

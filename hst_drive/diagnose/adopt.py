@@ -8,7 +8,7 @@ from copy import deepcopy
 from types import MappingProxyType
 
 from hst_drive.diagnose.result import require_schema
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
 from hst_drive.rig.identity import digest
@@ -111,7 +111,7 @@ def _values(entry: dict, source: str) -> dict[str, float]:
         raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
                          'diagnosis again') from None
     known = {parameter.name: parameter.neutral
-             for parameter in catalogue(everything=True)[name].parameters}
+             for parameter in effect_of(name).parameters}
     for key in values:
         if key not in known:
             raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "

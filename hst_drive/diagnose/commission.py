@@ -17,7 +17,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.result import Value
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
-from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
+from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
@@ -36,7 +36,6 @@ import numpy as np
 # Share of the make's tolerance, one sigma: units of a make differ by wear, by what they were made
 # like and by their oil; one unit differs from itself the next day by a tenth of that.
 DAY_TO_DAY = 0.1
-OIL_LAW = 'leakage_temperature'     # how a machine's leakage goes with its oil: no fault
 _SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
 _LESS = 0.5         # of a quantity, that no unit of a make lacks
 _TOLD = 0.5         # of the squared tolerance: with more left the logs told nothing
@@ -123,6 +122,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             found = diagnose(within, runs, progress=progress)
             if found.verdict == 'none':
                 break
+        # How its leakage goes with its oil is no fault of a machine.
         if [entry.id for entry in found.effects] == [OIL_LAW] and found.verdict != 'unknown':
             law = _with_prior(found.effects[0].parameters['exponent'])
             rig = {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {'exponent': law}}}

@@ -17,7 +17,7 @@ from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_beside, unlisted_instead
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
@@ -195,7 +195,7 @@ def _found(search: Search, best: Candidate, order: Sequence[str],
 
 
 def _unit(effect: str, key: str) -> str:
-    return catalogue(everything=True)[effect].parameter(key).unit
+    return effect_of(effect).parameter(key).unit
 
 
 def _order(search: Search, best: Candidate) -> list[str]:

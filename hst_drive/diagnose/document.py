@@ -32,7 +32,7 @@ def as_json(result: Diagnosis) -> dict:
         'not_observable': sorted(result.not_observable),
         'not_observable_because': result.not_observable,
         'smallest_visible': {name: {'value': size,
-                                    'unit': catalogue()[name].parameters[0].unit}
+                                    'unit': catalogue()[name].size.unit}
                              for name, size in result.smallest.items()},
         'calibration': [entry._asdict() for entry in result.calibration],
         'rivals': result.rivals,

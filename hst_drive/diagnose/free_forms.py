@@ -52,7 +52,7 @@ class Trial(NamedTuple):
 
 def faint(model: Model, freer: Freer) -> Model:
     """Return a model with next to nothing of a formula, where its fit starts."""
-    size = _FAINT * FORMULAS[freer.formula].parameters[0].typical
+    size = _FAINT * FORMULAS[freer.formula].size.typical
     return model.with_effect(freer.formula, values(
         freer.formula, [(size, term) for term in freer.terms]))
 

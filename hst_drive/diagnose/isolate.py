@@ -207,8 +207,7 @@ def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> n
     """Return the error of the place's own balance; None if the log does not close it."""
     if not place.balance:
         return None
-    part = PartModel(campaign.rig, model.model.effects, {
-        key: float(np.exp(value)) for key, value in model.model.factors.items()})
+    part = PartModel(campaign.rig, model.model.effects, model.model.scales)
     try:
         replay = PartReplay(campaign.replays[index].run, part)
     except InputError:

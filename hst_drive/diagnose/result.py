@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects import effect_of, Parameter
 from hst_drive.errors import InputError
 from hst_drive.identify.conditions import Outside
 from hst_drive.identify.evidence import Probability
@@ -56,7 +56,7 @@ class Found(NamedTuple):
         if not self.adopted:
             return ''
         size, now = next(iter(self.parameters.items()))
-        neutral = catalogue(everything=True)[self.id].parameter(size).neutral
+        neutral = effect_of(self.id).parameter(size).neutral
         if now.low <= neutral <= now.high and not now.low <= self.adopted[size] <= now.high:
             return 'gone'
         grown = abs(now.value - neutral) > abs(self.adopted[size] - neutral)

@@ -144,6 +144,6 @@ def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
         carried.name, {key: Value(value, *limits.get((carried.name, key), (value, value)),
                                   units[key]) for key, value in chosen.items()},
         campaign.ratios(model.errors, True), campaign.ratios(carried.fit.errors, True),
-        {key: float(np.exp(value)) for key, value in carried.fit.model.factors.items()},
+        carried.fit.model.scales,
         {name: dict(parameters) for name, parameters in carried.fit.model.effects.items()
          if name != carried.name})

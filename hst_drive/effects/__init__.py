@@ -22,7 +22,7 @@ from hst_drive.effects.slots import READABLE, readable, Slot, SLOTS
 from hst_drive.errors import InputError
 
 __all__ = ['Effect', 'GROUP', 'Parameter', 'READABLE', 'SLOTS', 'Slot', 'catalogue', 'edition',
-           'flexible', 'left_out', 'origin', 'readable', 'register']
+           'effect_of', 'flexible', 'left_out', 'origin', 'readable', 'register']
 make_callable(__name__)
 
 GROUP = 'hst_drive.effects'
@@ -44,10 +44,14 @@ def catalogue(everything: bool = False) -> dict[str, Effect]:
     return {**_found()[0], **FORMULAS} if everything else _found()[0]
 
 
+def effect_of(name: str) -> Effect:
+    """Return an effect, or a formula that stands for one, by its id; KeyError if there is none."""
+    return FORMULAS[name] if name in FORMULAS else _found()[0][name]
+
+
 def flexible(names: Iterable[str]) -> bool:
     """Say whether one of some effects is a shaft that twists."""
-    known = catalogue(everything=True)
-    return any(known[name].slot == 'shaft_compliance' for name in names)
+    return any(effect_of(name).slot == 'shaft_compliance' for name in names)
 
 
 def left_out() -> tuple[str, ...]:

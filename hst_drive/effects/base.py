@@ -205,6 +205,11 @@ class Effect:
         """Parameters, SI, of the effect when it is switched off."""
         return {entry.name: entry.neutral for entry in self.parameters}
 
+    @property
+    def size(self) -> Parameter:
+        """The parameter of which nothing is left where the effect is off: the first."""
+        return self.parameters[0]
+
     def parameter(self, name: str) -> Parameter:
         """Return the parameter of this name, which there must be."""
         return next(entry for entry in self.parameters if entry.name == name)

@@ -10,6 +10,7 @@ from hst_drive.effects.base import Effect, Parameter
 # What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
 # gaps): the middle, and one standard deviation where any is as plausible.
 POWER, POWER_SIGMA = 0.5, 12.0**-0.5
+OIL_LAW = 'leakage_temperature'     # how a machine's leakage goes with its oil
 
 
 def pump_flow_loss(pump_leakage, viscosity_ratio, exponent):
@@ -23,7 +24,7 @@ def motor_flow_loss(motor_leakage, viscosity_ratio, exponent):
 
 
 EFFECT = Effect(
-    id='leakage_temperature',
+    id=OIL_LAW,
     title='leakage grows as the oil gets warmer and thinner',
     slot='motor_flow_loss',
     function=motor_flow_loss,

@@ -15,7 +15,7 @@ from importlib.resources import files
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.effects.oil import viscosity
 from hst_drive.export.c_source import Array, translate
 from hst_drive.model import Drive
@@ -57,7 +57,7 @@ def unit_of(drive: Drive) -> Unit:
 
 
 def _source(drive: Drive) -> str:
-    effects = {name: catalogue(everything=True)[name] for name in drive.effects}
+    effects = {name: effect_of(name) for name in drive.effects}
     code = generate_drive(effects)
     numbers, on = code.vectors(drive.parameters[:len(NAMES)], drive.effects)
     cells, layout = drive.tables
@@ -147,7 +147,7 @@ def _description(drive: Drive, guid: str) -> str:
             FACTORS, causality='parameter', variability='tunable')
     place = _FIRST_PARAMETER + len(SCALED)
     for name, values in drive.effects.items():
-        for parameter in catalogue(everything=True)[name].parameters:
+        for parameter in effect_of(name).parameters:
             add(f'effect.{name}.{parameter.name}', place, parameter.unit, parameter.meaning,
                 values[parameter.name], (parameter.low, parameter.high), causality='parameter',
                 variability='tunable')

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Sequence, TYPE_CHECKING
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.fleet.track import leaks, OIL, one_way
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ def _event(group: Sequence[tuple[Jump, Followed]]) -> Event:
 
 
 def _said(jump: Jump, effect: str) -> str:
-    entry = catalogue(everything=True)[effect]
+    entry = effect_of(effect)
     # Against what a machine was, a size that none has of less than none may be just that.
     sign = 1.0 if one_way(effect) else max(jump.first, jump.last, key=abs)
     back = sign * jump.last < sign * _BACK * jump.first

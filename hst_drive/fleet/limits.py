@@ -50,7 +50,7 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
         near = get_close_matches(name, [*known, OIL], n=1)
         raise InputError(f"{source}: unknown effect '{name}'; " + (
             f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"))
-    size = known[name].parameters[0]
+    size = known[name].size
     if parameter not in ('', size.name):
         raise InputError(f"{source}: '{key}' is not the size of {name}; what is followed is "
                          f"'{name}.{size.name}'")

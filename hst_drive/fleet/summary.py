@@ -13,11 +13,12 @@ from datetime import date
 import math
 from typing import NamedTuple, Sequence
 
+from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
 from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
-from hst_drive.fleet.track import OIL, one_way, POWER, POWER_SIGMA
+from hst_drive.fleet.track import OIL, one_way
 from hst_drive.identify.intervals import FORM
 import numpy as np
 

@@ -12,7 +12,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, effect_of
+from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign, Model
@@ -29,10 +30,6 @@ CHANGE = 'change'       # of the oil's stiffness, as a share
 _OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oils lie apart
 # What does to a drive what a softer oil does.
 _LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator', 'line_inertance'}
-# What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
-# gaps): the middle, and one standard deviation where any is as plausible.
-THINNER = 'leakage_temperature'
-POWER, POWER_SIGMA = 0.5, 12.0**-0.5
 _MOST = 3               # effects that are followed on one machine
 
 Sizes = dict[str, dict[str, object]]
@@ -72,10 +69,10 @@ def track(rig: Rig, runs: Sequence[Run],
     warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
     grade = rig.line.oil_grade if rig.line else ''
     thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
-    if thick is None or THINNER in rig.effects or not any(map(leaks, effects)):
+    if thick is None or OIL_LAW in rig.effects or not any(map(leaks, effects)):
         sizes = _sizes(rig, runs, effects)
     else:
-        sizes, other = (_sizes(replace(rig, effects={**rig.effects, THINNER: {
+        sizes, other = (_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
             'exponent': power}}), runs, effects) for power in (POWER, 1.0))
         for name in effects:
             if name in sizes and leaks(name):
@@ -154,7 +151,7 @@ def leaks(effect: str) -> bool:
 def one_way(effect: str) -> bool:
     """Tell whether the size of an effect is of one sign, so that it grows upwards alone."""
     known = catalogue(everything=True)
-    return effect in known and known[effect].parameters[0].low >= 0.0
+    return effect in known and known[effect].size.low >= 0.0
 
 
 def to_follow(rows: Sequence[dict], rig: Rig,
@@ -166,7 +163,7 @@ def to_follow(rows: Sequence[dict], rig: Rig,
     name that fits most dates is taken, the form from where it was largest. Where one of them has
     a limit and fits half of the dates, that is the name. A name that is told beside another on no
     date is a second one for it if they were look-alikes once or act at the same place; what is
-    declared as alike is so in any case. What a machine's oil does as well (``OIL``, ``THINNER``)
+    declared as alike is so in any case. What a machine's oil does as well (``OIL``, ``OIL_LAW``)
     is followed as such. Where nothing was named, what has a limit is followed all the same: many
     dates may show together what none shows alone.
 
@@ -187,7 +184,7 @@ def to_follow(rows: Sequence[dict], rig: Rig,
     told = [{entry['id'] for entry in entries} for entries in each]
     found = [entry for entries in each for entry in entries]
     chosen = {name: dict(values) for name, values in rig.effects.items()}
-    of_oil = {*_LIKE_OIL, THINNER} - {*limited} if rig.fingerprint else set()
+    of_oil = {*_LIKE_OIL, OIL_LAW} - {*limited} if rig.fingerprint else set()
     # What the oil may do counts as that, but where it may as well be what has a limit.
     left = [names for entry in found if entry['id'] not in chosen and (names := [
         name for name in (entry['id'], *entry['indistinguishable_from'])
@@ -214,14 +211,14 @@ def to_follow(rows: Sequence[dict], rig: Rig,
 
 
 def _typical(effect: str) -> dict[str, float]:
-    known = catalogue(everything=True)[effect]
-    return {**known.neutral, _first(effect): known.parameters[0].typical}
+    known = effect_of(effect)
+    return {**known.neutral, _first(effect): known.size.typical}
 
 
 def _values(entry: dict) -> dict[str, float]:
-    return {**catalogue(everything=True)[entry['id']].neutral,
+    return {**effect_of(entry['id']).neutral,
             **{key: float(value['value']) for key, value in entry['parameters'].items()}}
 
 
 def _first(effect: str) -> str:
-    return catalogue(everything=True)[effect].parameters[0].name
+    return effect_of(effect).size.name

@@ -8,7 +8,7 @@ from datetime import date
 import math
 from typing import Sequence
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.fleet.summary import (
     AHEAD, Followed, GROWS, Machine, REACHED, SOUND, STATES, Summary)
 from hst_drive.fleet.track import OIL
@@ -28,7 +28,7 @@ def title(effect: str) -> str:
     """Return what an effect is, for people."""
     if effect == OIL:
         return 'stiffness of the oil against then'
-    return catalogue(everything=True)[effect].title
+    return effect_of(effect).title
 
 
 def amount(value: float, unit: str) -> str:

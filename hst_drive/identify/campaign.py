@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Callable, Sequence
 
-from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects import catalogue, effect_of, Parameter
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
@@ -26,7 +26,6 @@ from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.measure.threads import each
 from hst_drive.model import Drive
-from hst_drive.model.parameters import INDEX, SCALED
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -55,6 +54,11 @@ class Model:
 
     effects: dict[str, dict[str, float]] = field(default_factory=dict)
     factors: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """Factor on each quantity."""
+        return {key: float(np.exp(value)) for key, value in self.factors.items()}
 
     def with_effect(self, name: str, values: dict[str, float]) -> Model:
         """Return a model with one effect more, or with other parameters for it."""
@@ -141,16 +145,16 @@ class Campaign:
 
     def parameter(self, name: str, key: str) -> Parameter:
         """Return a parameter of an effect, with bounds that are plausible on this machine."""
-        effect = catalogue(everything=True)[name]
+        effect = effect_of(name)
         found = effect.parameter(key)
-        if self.signed and found is effect.parameters[0] and effect.slot in LEAKS:
+        if self.signed and found is effect.size and effect.slot in LEAKS:
             return replace(found, low=-found.high)
         return found
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
         entries = [self.parameter(name, entry.name)
-                   for entry in catalogue(everything=True)[name].parameters]
+                   for entry in effect_of(name).parameters]
         if name not in self.adopted:
             return {entry.name: entry.typical for entry in entries}
         now, size = self.off(name), entries[0]
@@ -160,7 +164,7 @@ class Campaign:
 
     def off(self, name: str) -> dict[str, float]:
         """Return an effect's parameters as the model has them without it: adopted, or neutral."""
-        return {**catalogue(everything=True)[name].neutral, **self.adopted.get(name, {})}
+        return {**effect_of(name).neutral, **self.adopted.get(name, {})}
 
     def fits(self, name: str, key: str) -> bool:
         """
@@ -168,8 +172,8 @@ class Campaign:
 
         Of an adopted effect its size is: it grows or shrinks, its form is known.
         """
-        parameter = catalogue(everything=True)[name].parameter(key)
-        if name in self.adopted and key != catalogue(everything=True)[name].parameters[0].name:
+        parameter = effect_of(name).parameter(key)
+        if name in self.adopted and key != effect_of(name).size.name:
             return False
         return not parameter.fixed and (parameter.whole_drive
                                         or parameter.recorded_in(self.signals))
@@ -256,8 +260,7 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
-        for key, value in model.factors.items():
-            drive.parameters[INDEX[SCALED[key]]] *= np.exp(value)
+        drive.scale(model.scales)
         for name, values in model.effects.items():
             drive.switch_on(name, values)
         return drive

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.channels import CHANNELS
-from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
+from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
@@ -72,7 +72,7 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
-            or grade not in GRADES or 'leakage_temperature' in rig.effects):
+            or grade not in GRADES or OIL_LAW in rig.effects):
         return 0.0, 0.0
     learnt = np.clip(rig.characterised_at, *rig.fingerprint.conditions['oil_temperature'])
     thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))

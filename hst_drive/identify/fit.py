@@ -12,7 +12,7 @@ from itertools import count as count_from
 from types import MappingProxyType
 from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
@@ -271,7 +271,7 @@ def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:
 def at_ends(campaign: Campaign, model: Model, name: str) -> list[str]:
     """Return the parameters of an effect at an end of what is plausible on a machine."""
     found = []
-    for place, declared in enumerate(catalogue(everything=True)[name].parameters):
+    for place, declared in enumerate(effect_of(name).parameters):
         entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
         # None of something, what formulas usually have, the ends of a bare number that shapes an

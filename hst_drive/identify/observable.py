@@ -76,7 +76,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         if unseen:
             found.append(Visibility(name, np.inf, unseen, False))
             continue
-        size = campaign.parameter(name, effect.parameters[0].name)
+        size = campaign.parameter(name, effect.size.name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])

@@ -112,8 +112,7 @@ class PartCampaign(Campaign):
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
-        return self.drive.changed(model.effects, {
-            key: float(np.exp(value)) for key, value in model.factors.items()})
+        return self.drive.changed(model.effects, model.scales)
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""

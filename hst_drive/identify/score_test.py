@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Iterator, TYPE_CHECKING
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.shapes import shapes_of
 from hst_drive.identify.unknowns import Unknowns
@@ -47,7 +47,7 @@ def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, st
 
     names = [name for name in search.candidates if name not in candidate.names]
     for name, move in zip(names, each(typical, names)):
-        size = catalogue(everything=True)[name].parameters[0]
+        size = effect_of(name).size
         lowest = -np.inf if size.low < campaign.off(name)[size.name] else 0.0
         alone_move = campaign.training(search.single(name).fit.errors) - start
         yield max(alone - least(entry, lowest) for entry in (alone_move, move)) / total, name

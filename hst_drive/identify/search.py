@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.effects import catalogue, flexible
+from hst_drive.effects import effect_of, flexible
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
@@ -87,7 +87,7 @@ class Search:
         todo = [(tuple(sorted(names)), start) for names, start in sets
                 if again or tuple(sorted(names)) not in self._known]
         # The long ones first, so that no core waits for them at the end.
-        todo.sort(key=lambda task: -sum(len(catalogue(everything=True)[name].starts)
+        todo.sort(key=lambda task: -sum(len(effect_of(name).starts)
                                         for name in task[0]))
 
         def fitted(task: tuple[tuple[str, ...], Fit]) -> Candidate:
@@ -293,5 +293,5 @@ def _without_adopted(campaign: Campaign, base: Fit) -> Fit:
     if not campaign.adopted:
         return base
     return base._replace(errors=campaign.errors(Model(
-        {name: catalogue(everything=True)[name].neutral for name in campaign.adopted},
+        {name: effect_of(name).neutral for name in campaign.adopted},
         base.model.factors)))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Sequence, TYPE_CHECKING
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.identify.fit import fit
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def shapes_of(names: Sequence[str]) -> set[tuple[str, str]]:
     """Return the (effect, parameter) that have usual values."""
     return {(name, entry.name) for name in names
-            for entry in catalogue(everything=True)[name].parameters if entry.usual}
+            for entry in effect_of(name).parameters if entry.usual}
 
 
 def settled(search: Search, best: Candidate) -> Candidate:
@@ -31,7 +31,7 @@ def settled(search: Search, best: Candidate) -> Candidate:
         # One shape may stand for another: first the one that loses least by it.
         model, trials = best.fit.model, []
         for name, key in sorted(open_):
-            for value in catalogue(everything=True)[name].parameter(key).usual:
+            for value in effect_of(name).parameter(key).usual:
                 usual = model.with_effect(name, {**model.effects[name], key: value})
                 found = fit(search.campaign, usual, known=best.fit.columns,
                             kept={*kept, (name, key)})

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Iterator, Mapping, Sequence
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import fit
 from hst_drive.identify.linearised import Linearised
@@ -42,8 +42,8 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         Its parameters where it was fitted alone, SI.
 
     """
-    effect, values = catalogue(everything=True)[name], campaign.typical(name)
-    size = effect.parameters[0].name
+    effect, values = effect_of(name), campaign.typical(name)
+    size = effect.size.name
     off = campaign.off(name)[size]
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
@@ -82,7 +82,7 @@ def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
 
     The unit's factors are free to help, and so is the effect's size where it is not fitted yet.
     """
-    size = campaign.parameter(name, catalogue(everything=True)[name].parameters[0].name)
+    size = campaign.parameter(name, effect_of(name).size.name)
     off, wide = campaign.off(name)[size.name], np.full(factors.shape[1], np.inf)
 
     def around(residual: np.ndarray) -> Linearised:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any, Container, Mapping
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.measure.balances import BALANCES, lacking
 from hst_drive.measure.equations import told, Weak
 from hst_drive.model import circuits
@@ -150,6 +150,6 @@ def misread(model: CircuitModel, channels: Known, signal: str, value: Any) -> An
     """Return what effects of its sensor, but a lag, add to a signal of this value."""
     slot, reads = _READINGS.get(signal, ('', ''))
     if not any(place == slot for name in model.effects
-               for place, _ in catalogue(everything=True)[name].terms):
+               for place, _ in effect_of(name).terms):
         return 0.0
     return model.terms(slot, {**model.complete(channels), reads: value})

@@ -11,7 +11,7 @@ from __future__ import annotations
 import copy
 from typing import TYPE_CHECKING
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.measure.readings import filled
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -37,7 +37,7 @@ def swinging(model: Drive | PartModel) -> dict[str, float]:
 
 def _swing(model: Drive | PartModel, name: str) -> tuple[float, dict[str, float]]:
     """Return how often in a turn an effect swings, and its parameters without that."""
-    effect, motor = catalogue(everything=True)[name], model.rig.motor
+    effect, motor = effect_of(name), model.rig.motor
     if effect.swings is None or motor is None:
         return 0.0, {}
     return effect.swings(model.effects[name], motor.pistons)

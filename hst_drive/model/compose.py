@@ -13,7 +13,7 @@ from functools import lru_cache
 import inspect
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from hst_drive.effects import catalogue, edition, Effect
+from hst_drive.effects import catalogue, edition, Effect, effect_of
 from hst_drive.effects.base import arguments
 from hst_drive.effects.slots import (
     SLOTS, USUAL_DAMPING_TIME, USUAL_FAR, USUAL_SHARE, USUAL_UPSTREAM)
@@ -103,7 +103,7 @@ class Code(NamedTuple):
         for key, value in values.items():
             parameters[self.places[name, key]] = value
         switches[self.flags[name]] = 1
-        for slot, _ in catalogue(everything=True)[name].terms:
+        for slot, _ in effect_of(name).terms:
             switches[self.slots[slot]] = 1
 
 

@@ -7,7 +7,7 @@ import copy
 from difflib import get_close_matches
 from typing import Any, Mapping
 
-from hst_drive.effects import catalogue, flexible, left_out
+from hst_drive.effects import catalogue, effect_of, flexible, left_out
 from hst_drive.effects.base import arguments
 from hst_drive.effects.oil import GRADES, viscosity_ratio
 from hst_drive.errors import InputError
@@ -129,7 +129,7 @@ class Drive:
         """
         total: Any = 0.0
         for name, values in self.effects.items():
-            for place, function in catalogue(everything=True)[name].terms:
+            for place, function in effect_of(name).terms:
                 given = {**known, **values}
                 if place == slot and set(arguments(function)) <= set(given):
                     total += function(*(given[key] for key in arguments(function)))

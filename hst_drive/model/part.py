@@ -14,7 +14,7 @@ import copy
 import math
 from typing import Any, Mapping
 
-from hst_drive.effects import catalogue, READABLE
+from hst_drive.effects import catalogue, effect_of, READABLE
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity_ratio
 from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.errors import InputError
@@ -122,7 +122,7 @@ class PartModel:
         """Return the sum of the effects at a slot; one that reads what is not known gives 0."""
         total: Any = 0.0
         for name, values in self.effects.items():
-            effect = catalogue(everything=True)[name]
+            effect = effect_of(name)
             # A formula names all that it could read; what is not known has the power 0.
             spare = dict.fromkeys(READABLE, 0.0) if effect.searched == 'never' else {}
             for place, function in effect.terms:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 import math
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.measure.circuit_balances import misread
 from hst_drive.model import Drive
@@ -63,7 +63,7 @@ class ClosedDrive:
         self._model = model = CircuitModel(rig, effects)
         for name in model.effects:
             why = 'does not enter' if not model.enters(name) else 'cannot be played with' if (
-                catalogue(everything=True)[name].slot == 'speed_reading_lag') else ''
+                effect_of(name).slot == 'speed_reading_lag') else ''
             if why:
                 raise InputError(f"effect '{name}': {why} 'circuit: {rig.circuit}'; leave it out")
         self._states = len(model.circuit.states)

@@ -80,7 +80,7 @@ def _calibration(moved) -> str:
 def _smallest(result: Diagnosis) -> str:
     rows = []
     for name, smallest in sorted(result.smallest.items()):
-        parameter = catalogue()[name].parameters[0]
+        parameter = catalogue()[name].size
         rows.append([name, parameter.name, *size(smallest, parameter.unit, 3)])
     return table(['effect', 'parameter', 'size', 'unit'], rows)
 

@@ -169,7 +169,7 @@ def unit_section(diagnosis: dict) -> Markup:
         for name, entry in sorted(smallest.items()):
             if name in catalogue():
                 size, unit = for_people(entry['value'], entry['unit'])
-                rows.append([name, catalogue()[name].parameters[0].name, number(size),
+                rows.append([name, catalogue()[name].size.name, number(size),
                              '' if unit == '1' else unit])
         parts.append(element('details', element(
             'summary', 'The smallest size of each other effect that these logs would have shown'),

@@ -53,7 +53,7 @@ def _effect(name: str, content: object, source: str, of_any_size: bool) -> dict[
             known = f'known: {", ".join(declared)}'
             raise InputError(f"{source}: unknown key '{where}.{key}'; "
                              f'{_near(str(key), declared, known)}')
-    size = effects[name].parameters[0]
+    size = effects[name].size
     if size.name not in content:
         raise InputError(f"{source}: key '{where}.{size.name}' is missing; add the effect's size, "
                          f'{size.low:g} to {size.high:g} {size.unit}')

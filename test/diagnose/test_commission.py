@@ -8,8 +8,9 @@ from test.truth import make_campaign
 from types import SimpleNamespace
 
 from bench.campaigns import run_of
-from hst_drive.diagnose.commission import commission, DAY_TO_DAY, OIL_LAW
+from hst_drive.diagnose.commission import commission, DAY_TO_DAY
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.effects.oil import viscosity
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Model
