@@ -88,9 +88,9 @@ class Campaign:
     finest = 0.008  # s: faster records are averaged; the drive has nothing to show there
     events = 0.07   # share of the blocks that single events may spoil
     searched: tuple[str, ...] = ('always',)
-    by_balance = False      # nothing is replayed: what is judged are balances, smoothed
-    advice = ''     # what to record next; empty: a test can be designed
-    signed = False  # whether a leak may be less than none: against what a machine was, it may
+    by_balance = False      # True: no simulation, each balance by itself, both sides smoothed
+    advice = ''     # what to record next, where no test can be designed
+    signed = False  # True: a leak may be negative, where it is what has changed in a machine
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         self.expected, self.tolerances, self.ties = prior(rig, (*runs, *holdout))

@@ -74,7 +74,7 @@ class Signal(NamedTuple):
 
 class Explanation(NamedTuple):
     """
-    A fitted set of effects, or (not ``listed``) that and something else, or that in its place.
+    A fitted set of effects; if not ``listed``, with something beside them that no effect lists.
 
     ``penalty`` is the logarithm of the priors' density at the fit times the volume of its
     posterior (``laplace``). So many of the effects are ``known``: of a machine that has a fault it

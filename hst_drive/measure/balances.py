@@ -127,7 +127,7 @@ def _given(rig: Rig, key: str) -> bool:
 
 
 def untold(balance: Balance, values: np.ndarray) -> float:
-    """Return what no sheet tells of a balance whose signal has these values."""
+    """Return the error (SI) that a datasheet leaves on a balance whose signal has these values."""
     known = np.abs(values[np.isfinite(values)])
     return balance.sheet * float(np.percentile(known, USUAL)) if len(known) else 0.0
 

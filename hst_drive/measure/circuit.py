@@ -73,7 +73,7 @@ class CircuitReplay(PartReplay):
                    for name in self.signals)
 
     def _doubts(self, model: CircuitModel) -> dict[str, np.ndarray]:
-        """Return what another start and another small lag of pump or valve would do."""
+        """Return how far signals hang on the actuator's start, and on a small lag more (SI)."""
         known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
         if moved in known:
             return {}

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What each balance of a part predicts, written once: for logs, and for the watch.
+The equation of each balance of an open circuit, for logs of a part and for the watch.
 
 An equation gets the model, what is known (``told``), the channels and the weak form in which both
 sides are compared; it returns what the sensor would read, SI.

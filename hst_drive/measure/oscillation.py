@@ -3,8 +3,8 @@
 """
 Where a drive shakes by itself: stick-slip and other limit cycles.
 
-Their phase is nobody's: a model that is right drifts out of step with the machine within
-seconds, so that only means over some periods can be compared there.
+The phase of a limit cycle cannot be predicted: a model that is right drifts out of step with the
+machine within seconds, so that only means over some periods can be compared there.
 """
 from __future__ import annotations
 

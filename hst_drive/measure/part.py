@@ -65,7 +65,7 @@ class PartReplay:
     unsure : float
         How much less well the commands are.
     doubts : dict of str to ndarray
-        How far no formula is known better, row by row, of signals of which that is known, SI.
+        Standard deviation of the model's formula, row by row, SI; of signals where it is known.
 
     Raises
     ------

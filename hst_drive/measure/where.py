@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 
 _BINS = 8
 _MOST = 8           # regions, the most telling first
+_AT_NOISE = 1.15    # floors: a signal that is nearer has no error to look for
 _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',
               'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
 # A region says something if the odds of the error to lie there are so many times those of the
@@ -82,7 +83,7 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
         if valid.sum() < 10 * _BINS:
             continue
         power = np.mean(error[valid]**2)
-        if power < (1.15 * floors[signal])**2:
+        if power < (_AT_NOISE * floors[signal])**2:
             continue
         for variable, columns in variables.items():
             if variable == signal and variable in TORQUES:
