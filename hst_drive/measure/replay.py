@@ -218,12 +218,8 @@ class Replay:
                  for name, values in inputs.items()}
         if extra is not None:
             finer['load_disturbance'] = finer['load_disturbance'] + extra
-        signals = self._motion(drive, self.between.finer(self.run.time), finer)
+        signals = drive.simulate(self.between.finer(self.run.time), finer, self.start(drive))
         return {name: self.between.at_rows(values) for name, values in signals.items()}
-
-    def _motion(self, drive: Drive, time: np.ndarray,
-                inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        return drive.simulate(time, inputs, self.start(drive))
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
