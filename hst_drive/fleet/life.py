@@ -79,6 +79,8 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
         units[name] = row['reason'] or _written(store, name, row['unit'])
         if row['status'] == 'done':
             files[name] = units[name]
+            if row.get('refused'):
+                units[name] += f", of the first day alone: {row['refused']}"
             logs = {*row['used']}
             used |= {day.name for day in first[name] if logs & {*day.logs}}
     own = [campaign._replace(rig=files.get(campaign.machine, campaign.rig))
@@ -91,7 +93,7 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
     follow = {}
     for name in machines:
         rig, given = _rig(own, name)
-        units[name] = given or units[name]
+        units[name] = units[name] if name in files else given or units[name]
         follow[name] = to_follow([row for row in found if row['machine'] == name], rig,
                                  limited) if rig else {}
     done = {row['campaign'] for row in found if row['status'] != 'failed'}

@@ -84,14 +84,15 @@ def _commissioned(campaign: Campaign) -> dict:
     runs = read_logs(campaign.logs, campaign.channels or None)
     first = Path(campaign.logs[0]).parent
     alone = [run for run, path in zip(runs, campaign.logs) if Path(path).parent == first]
+    refused = ''
     try:
         unit, used = commission(rig, source, runs).rig, campaign.logs
-    except InputError:
+    except InputError as problem:
         if len(alone) == len(runs):
             raise
-        unit = commission(rig, source, alone).rig
+        unit, refused = commission(rig, source, alone).rig, str(problem)
         used = campaign.logs[:len(alone)]
-    return {'unit': plain(unit), 'used': list(used)}
+    return {'unit': plain(unit), 'used': list(used), 'refused': refused}
 
 
 def _tracked(campaign: Campaign, effects: Mapping[str, Mapping[str, float]]) -> dict:

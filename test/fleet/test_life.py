@@ -35,6 +35,8 @@ def made(tmp_path_factory):
         put(place / 'logs' / 'wears' / f'2026-{month:02}-01', day(20 + number, leak))
     for number, leak in enumerate((2.0, 2.0, 2.0)):
         put(place / 'logs' / 'broken' / f'2026-{number + 1:02}-01', day(40 + number, leak))
+    for number, leak in enumerate((0.0, 2.0, 2.0)):
+        put(place / 'logs' / 'breaks' / f'2026-{number + 1:02}-01', day(50 + number, leak))
     (place / 'logs' / 'rig.yaml').write_text(yaml.safe_dump(MAKE))
     (place / 'limits.yaml').write_text('pump_leakage: 0.04 L/min/bar\n')
     assert cli.main(['fleet', str(place / 'logs'), '--results', str(place / 'kept'), '--workers',
@@ -62,6 +64,15 @@ def test_who_is_broken_from_the_first_day_is_judged_by_its_make(made):
     assert 'cannot be commissioned as healthy' in machine['unit']
     assert machine['effects'].get('pump_leakage', 0) == 3
     assert 'cannot be commissioned as healthy' in page
+
+
+def test_who_breaks_on_the_second_day_is_judged_by_its_first(made):
+    place, found, _ = made
+    machine, = [entry for entry in found['machines'] if entry['name'] == 'breaks']
+    file, why = machine['unit'].split(', of the first day alone: ')
+    assert load_rig(file).fingerprint and 'pump_leakage' in why
+    statuses = [row['status'] for row in found['rows'] if row['machine'] == 'breaks']
+    assert statuses == ['commissioned', 'done', 'done']
 
 
 def test_a_slip_in_a_limit_is_told_before_the_work(made, capsys):
