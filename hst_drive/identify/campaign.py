@@ -24,7 +24,6 @@ from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.oscillation import means_where
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
-from hst_drive.measure.threads import each
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
 import numpy as np
@@ -286,9 +285,9 @@ class Campaign:
         """
         drive = self.driver(model)
         fitted = [bool((part > 0).any()) for part in self._weights]
-        given = [*each(lambda entry: entry[0].predict(drive) if entry[1] else None, [
-            (replay, (fit or not to_fit) and not (fit and known))
-            for replay, fit in zip(self.replays, fitted)])]
+        given = [replay.predict(drive)
+                 if (fit or not to_fit) and not (fit and known) else None
+                 for replay, fit in zip(self.replays, fitted)]
         errors = []
         for place, column in enumerate(self.columns):
             measured = self.replays[column.log].run[column.signal]

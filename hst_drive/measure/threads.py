@@ -5,21 +5,12 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 import os
-from threading import local
 from typing import Callable, Iterable, Iterator, TypeVar
 
 _Item, _Found = TypeVar('_Item'), TypeVar('_Found')
-_INSIDE = local()
 
 
 def each(work: Callable[[_Item], _Found], items: Iterable[_Item]) -> Iterator[_Found]:
-    """Yield what a function returns for each item, in their order; inside such work in turn."""
-    if getattr(_INSIDE, 'one', False):
-        yield from map(work, items)
-        return
-    with ThreadPoolExecutor(os.cpu_count() or 1, initializer=_enter) as pool:
+    """Yield what a function returns for each item, in their order."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         yield from pool.map(work, items)
-
-
-def _enter() -> None:
-    _INSIDE.one = True
