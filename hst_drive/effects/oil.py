@@ -90,8 +90,7 @@ def _at(temperature: float, grade: str) -> float:
     return float(viscosity(temperature, grade))
 
 
-@lru_cache(64)
 def _constants(at_40_degc: float, at_100_degc: float) -> tuple[float, float]:
-    """Return Walther's a (at 40 degC) and b; a plant asks for them in each step."""
+    """Return Walther's a (at 40 degC) and b."""
     at_40, at_100 = (np.log10(np.log10(value + 0.7)) for value in (at_40_degc, at_100_degc))
     return at_40, (at_40 - at_100) / (np.log10(373.15) - _LOG_40_DEGC)

@@ -11,7 +11,8 @@ does not reach the sensor noise; ``replay_floor`` is what it would reach.
 from __future__ import annotations
 
 import copy
-from typing import Any, Callable, Iterator, Mapping
+import operator
+from typing import Iterator, Mapping
 
 from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
@@ -37,27 +38,10 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
-_LOADS, _REPLAYS = 6, 2     # that are kept: of models that are tried in turn
 DRAWS = 3       # of noise, for what it does to a replay
 _LONG = 600.0   # s: of so long a recording one will do
 _STAMPS = 1e-3  # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
-
-
-class _Kept:
-    """What was found last, by what it hangs on: numbers, and objects that stay as they are."""
-
-    def __init__(self, most: int):
-        self._most = most
-        self._entries: tuple[tuple[bytes, tuple, Any], ...] = ()
-
-    def get(self, numbers: bytes, objects: tuple, find: Callable[[], Any]) -> Any:
-        for known, of, value in self._entries:
-            if known == numbers and all(one is other for one, other in zip(of, objects)):
-                return value
-        value = find()
-        self._entries = (*self._entries[1 - self._most:], (numbers, objects, value))
-        return value
 
 
 class Replay:
@@ -131,7 +115,7 @@ class Replay:
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
-        self._loads, self._predicted = _Kept(_LOADS), _Kept(_REPLAYS)
+        self._predicted: tuple[bytes, tuple, dict[str, np.ndarray]] | None = None
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
         if self.torque and 'motor_speed' in run:
@@ -190,18 +174,15 @@ class Replay:
         self._refine_noise(drive)
 
     def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
-        speed = self._true_speed(drive) if speed is None else speed
-        between, inputs = self.between, self.inputs
-
-        def load() -> np.ndarray:
-            angle = inputs.get('motor_angle')
-            return between.at_rows(drive.load_torque(
-                between.finer(self.run.time), between.finer(inputs['pprv_command'], command=True),
-                between.finer(speed), between.finer(inputs['oil_temperature']),
-                None if angle is None else between.finer(angle)))
-
-        # Most effects leave the load as it is.
-        return self._loads.get(drive.load_key() + speed.tobytes(), (inputs, between), load)
+        command = self.between.finer(self.inputs['pprv_command'], command=True)
+        time, speed, temperature = (self.between.finer(values) for values in (
+            self.run.time, self._true_speed(drive) if speed is None else speed,
+            self.inputs['oil_temperature']))
+        angle = self.inputs.get('motor_angle')
+        if angle is not None:
+            angle = self.between.finer(angle)
+        return self.between.at_rows(
+            drive.load_torque(time, command, speed, temperature, angle))
 
     def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""
@@ -380,9 +361,12 @@ class Replay:
         """
         if extra is not None or commands:
             return self._predict(drive, extra, commands)
-        return dict(self._predicted.get(
-            drive.key(), (self.inputs, self.readings, self.between, self.roughness, self.signals),
-            lambda: self._predict(drive, extra, commands)))
+        # Noise, delays and floor ask for the same model again.
+        numbers, known = drive.key(), self._predicted
+        objects = self.inputs, self.readings, self.between, self.roughness, self.signals
+        if known is None or known[0] != numbers or any(map(operator.is_not, known[1], objects)):
+            known = self._predicted = numbers, objects, self._predict(drive, None, {})
+        return dict(known[2])
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
                  commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

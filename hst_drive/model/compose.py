@@ -64,7 +64,6 @@ STATES: tuple[str, ...] = (
 # Which functions of the text are put into their callers, and which others only it calls.
 INLINE = ('interpolate', 'interpolate2', 'smooth_sign', 'load_model', 'shaft', 'balances',
           'derivatives')
-LOAD = ('load_model', 'shaft', 'twist_under', 'load_record')    # what the load alone asks
 INSIDE = ('find', 'along', 'played', 'twist_under')
 
 
@@ -226,17 +225,3 @@ def _kernel(compiled: bool, _: int) -> Code:
     code = generate_drive(effects)
     return code._replace(compiled=compiled, module=running(
         code.source, effects, compiled, INLINE, INSIDE, ('load_record', 'simulate')))
-
-
-@lru_cache(maxsize=4)
-def read_by(text: str, functions: tuple[str, ...]) -> tuple[list[int], list[int]]:
-    """Return the places of the parameters and of the switches that functions of a text read."""
-    parts = ast.parse(text).body
-    constants = {part.targets[0].id: part.value.value for part in parts
-                 if isinstance(part, ast.Assign) and isinstance(part.value, ast.Constant)}
-    places = {(node.value.id, getattr(node.slice, 'value', constants.get(
-                  getattr(node.slice, 'id', '')))) for part in parts
-              if isinstance(part, ast.FunctionDef) and part.name in functions
-              for node in ast.walk(part)
-              if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name)}
-    return tuple(sorted(at for array, at in places if array == name) for name in ('p', 'on'))

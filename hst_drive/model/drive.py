@@ -11,7 +11,7 @@ from hst_drive.effects import catalogue, effect_of, flexible, left_out
 from hst_drive.effects.base import arguments
 from hst_drive.effects.oil import GRADES, viscosity_ratio
 from hst_drive.errors import InputError
-from hst_drive.model.compose import kernel, LOAD, OUTPUTS, read_by, STATES
+from hst_drive.model.compose import kernel, OUTPUTS, STATES
 from hst_drive.model.parameters import baseline_parameters, baseline_tables, INDEX, SCALED
 from hst_drive.rig import Rig
 import numpy as np
@@ -175,12 +175,6 @@ class Drive:
     def key(self) -> bytes:
         """Return the numbers that its motion hangs on: the same, the same drive."""
         return b''.join([self.parameters.tobytes(), self.switches.tobytes(),
-                         self.tables[0].tobytes()])
-
-    def load_key(self) -> bytes:
-        """Return what ``load_torque`` hangs on but for its arguments: the same, the same load."""
-        places, switches = read_by(self.kernel.source, LOAD)
-        return b''.join([self.parameters[places].tobytes(), self.switches[switches].tobytes(),
                          self.tables[0].tobytes()])
 
     def initial_state(self, *, pump_command: float = 0.0, pprv_command: float = 0.0,
