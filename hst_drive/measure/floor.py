@@ -52,13 +52,24 @@ def replay_floor(replay: Replay, drive: Drive,
         misread = replay.misread(drive)
         power[replay.torque] = misread.noise_std**2
         if misread.std > 0:
-            added += [*replay.shaken(drive, count), {replay.torque: misread.std**2}]
+            added += [_of_the_load(replay, drive, count), {replay.torque: misread.std**2}]
     if any(steps.guessed for steps in replay.steps.values()):
         added.append(_of_guesses(replay, drive))
     for entry in added:
         for name, value in entry.items():
             power[name] += value
     return {name: float(np.sqrt(value)) for name, value in power.items()}
+
+
+def _of_the_load(replay: Replay, drive: Drive, count: np.ndarray | None) -> dict[str, float]:
+    """Return the squared error, by signal, that what the smoothing misses of the load makes."""
+    base, part = replay.predict(drive), slice(None) if count is None else count
+    power = {name: 0.0 for name in replay.signals if name != replay.torque}
+    for missed in replay.missed(drive, np.random.default_rng(0)):
+        moved = replay.predict(drive, missed)
+        for name in power:
+            power[name] += float(np.nanmean((moved[name] - base[name])[part]**2)) / replay.draws
+    return power
 
 
 def _of_guesses(replay: Replay, drive: Drive) -> dict[str, float]:

@@ -21,7 +21,7 @@ from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import source_of, told, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
-from hst_drive.measure.replay import DRAWS
+from hst_drive.measure.recorded_load import DRAWS
 from hst_drive.measure.run import Run
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance

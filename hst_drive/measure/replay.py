@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import copy
 import operator
-from typing import Iterator, Mapping
+from typing import Mapping
 
 from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
@@ -23,9 +23,9 @@ from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, rougher, Smoother
 from hst_drive.measure.oscillation import shaking
 from hst_drive.measure.readings import filled, Readings
+from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run
-from hst_drive.measure.shaft import Behind, behind, load_side
-from hst_drive.measure.speed import measured_speed, speed_behind
+from hst_drive.measure.speed import measured_speed
 from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
@@ -38,15 +38,13 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
-DRAWS = 3       # of noise, for what it does to a replay
-_LONG = 600.0   # s: of so long a recording one will do
 _STAMPS = 1e-3  # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
-class Replay:
+class Replay(RecordedLoad):
     """
-    A recording, ready to be replayed through models again and again.
+    A recording, ready to be replayed through models again and again; its load: ``RecordedLoad``.
 
     Parameters
     ----------
@@ -63,12 +61,6 @@ class Replay:
         How well time stamps and steps of the load are known, s.
     unsure : ndarray
         The same of the commands, row by row, s (``Steps.unsure``).
-    noise : dict of str to float
-        White noise of each signal, SI, estimated from the record.
-    roughness : Coloured
-        Coloured part of the unexplained load torque, N.m.
-    between : Between
-        The steps of the controller between the rows.
     steps : dict of str to Steps
         Commands as the controller gave them, as far as the rows tell, V.
 
@@ -173,24 +165,6 @@ class Replay:
                     self._correct(drive)
         self._refine_noise(drive)
 
-    def _load_model(self, drive: Drive, speed: np.ndarray | None = None) -> np.ndarray:
-        command = self.between.finer(self.inputs['pprv_command'], command=True)
-        time, speed, temperature = (self.between.finer(values) for values in (
-            self.run.time, self._true_speed(drive) if speed is None else speed,
-            self.inputs['oil_temperature']))
-        angle = self.inputs.get('motor_angle')
-        if angle is not None:
-            angle = self.between.finer(angle)
-        return self.between.at_rows(
-            drive.load_torque(time, command, speed, temperature, angle))
-
-    def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
-        """Return the speed (rad/s) behind a reading of it, by default what was measured."""
-        if reading is None and 'motor_speed' not in self.run and 'motor_inlet_flow' in self.run:
-            return self._speed      # which the flow meter gave
-        return speed_behind(drive, self.readings, self._speed if reading is None else reading,
-                            self.inputs['oil_temperature'])
-
     def _simulate(self, drive: Drive, disturbance: np.ndarray,
                   commands: Mapping[str, np.ndarray] = {},
                   extra: np.ndarray | None = None) -> dict[str, np.ndarray]:
@@ -242,23 +216,6 @@ class Replay:
                 self.noise[name] = min(self.noise[name], self.readings.noise(name, rest),
                                        self._stated_noise(drive, name))
 
-    def _stated_noise(self, drive: Drive, name: str) -> float:
-        """
-        Return the most noise (SI) that a sensor of the rig may have in a slow record.
-
-        Below four samples in a period of the hydraulic resonance its ringing looks like noise.
-        """
-        sensor = drive.rig.sensors.get(name)
-        if self.run.sample_time <= 0.5 * np.pi / drive.resonance or not (
-                sensor and sensor.noise_std > 0):
-            return np.inf
-        return float(np.hypot(sensor.noise_std, self.readings.step(name)))
-
-    @property
-    def at_rest(self) -> np.ndarray:
-        """Where friction and load share the torque as no law tells, so that it is not judged."""
-        return np.abs(self._speed) <= self._creeping
-
     @property
     def usable(self) -> np.ndarray:
         """Where a model of the whole drive is judged."""
@@ -278,66 +235,12 @@ class Replay:
         valid = np.isfinite(self.run[name])
         return valid & ~self.at_rest if self.can_correct and name == self.torque else valid
 
-    def _unexplained(self, load: np.ndarray) -> np.ndarray:
-        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
-        rest = np.where(self._turning, measured - load, 0.0)
-        # Where no torque was read the load model goes on, with what it missed beside the gap.
-        return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
-
-    def _behind(self, drive: Drive, rest: np.ndarray) -> Behind | None:
-        """Say what is behind a flexible shaft and how it is read; None where nothing is."""
-        if not (drive.has_flexible_shaft and self._turning.any()):
-            return None
-        stiff, speed = drive.without('shaft_compliance'), self._true_speed(drive)
-        side = load_side(drive, self._measured[self._turning],
-                         lambda faster: self._load_model(stiff, speed + faster)[self._turning])
-        if side is None:
-            return None
-        # Of the speed that the load is modelled with: the model's own has none.
-        noise = (self.noise['motor_speed'] if 'motor_speed' in self.run else
-                 self.noise.get('motor_inlet_flow', 0.0) / drive.rig.motor.displacement)
-        rest = rest - self.readings.slow(rest)
-        return behind(side, self.run.sample_time, rest, min(
-            self.readings.noise(self.torque, rest), self._stated_noise(drive, self.torque)), noise)
-
-    def _shaft(self, drive: Drive) -> Behind | None:
-        # A stiff one, as most are, asks for no load model.
-        return self._behind(drive, self._unexplained(self._load_model(drive))) if (
-            drive.has_flexible_shaft) else None
-
     def of_load(self) -> Replay:
         """Return a replay of the load alone: it meets the measured speed, nothing is simulated."""
         alone = copy.copy(self)
         alone.simulated = False
         alone.signals = (self.torque,) if self.can_correct else ()
         return alone
-
-    def misread(self, drive: Drive) -> Coloured:
-        """Return by how much (N.m) the torque reading is off the load model's if that is right."""
-        shaft = self._shaft(drive)
-        if shaft is None:
-            return self.roughness._replace(noise_std=self.noise[self.torque])
-        return shaft.rough._replace(std=shaft.swings(), noise_std=max(
-            shaft.rough.noise_std, self.readings.step(self.torque)))
-
-    def disturbance(self, drive: Drive) -> np.ndarray:
-        """Return the load torque (N.m) that the sensor shows beyond the load model, smoothed."""
-        if not self.can_correct:
-            return np.zeros(len(self.run))
-        return self._disturbance(drive, self._load_model(drive))
-
-    def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
-        rest = self._unexplained(load)
-        shaft = self._behind(drive, rest)
-        if shaft:
-            slow = self.readings.slow(rest)
-            return slow + shaft.load(rest - slow)
-        # Most effects leave the load as it is: then it need not be smoothed anew.
-        known = self._smoothed
-        if known is None or not np.array_equal(known[0], rest):
-            slow = self.readings.slow(rest)
-            known = self._smoothed = rest, slow + self._smoother(rest - slow)
-        return known[1]
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
@@ -383,36 +286,3 @@ class Replay:
         if load is not None:
             read[self.torque] = np.where(self.at_rest, self._measured, read[self.torque])
         return read
-
-    def _finely(self) -> Smoother:
-        """Return a smoother of the load at all steps: rock moves between rows as well."""
-        steps = self.between.steps
-        if steps == 1:
-            return self._smoother
-        time = self.between.finer(self.run.time)
-        known = np.zeros(len(time), dtype=bool)
-        known[::steps] = np.isfinite(self.run[self.torque])
-        return Smoother(time, self.roughness, known)
-
-    @property
-    def draws(self) -> int:
-        """How often noise is drawn, for what it does to the replay."""
-        return DRAWS if self.run.time[-1] - self.run.time[0] < _LONG else 1
-
-    def _missed(self, drive: Drive, random: np.random.Generator) -> Iterator[np.ndarray]:
-        """Yield draws (N.m) of what the smoothing misses of the load, at all steps."""
-        shaft = self._shaft(drive)
-        smoother, steps = self._finely(), self.between.steps
-        for _ in range(self.draws):
-            yield (smoother.draw_error(random) if shaft is None else shaft.draw_error(
-                self.run.sample_time / steps, (len(self.run) - 1) * steps + 1, random))
-
-    def shaken(self, drive: Drive, count: np.ndarray | None) -> Iterator[dict[str, float]]:
-        """Yield squared errors, by signal, from draws of the load that smoothing misses."""
-        base = self.predict(drive)
-        random = np.random.default_rng(0)
-        for missed in self._missed(drive, random):
-            moved = self.predict(drive, missed)
-            part = slice(None) if count is None else count
-            yield {name: float(np.nanmean((moved[name] - base[name])[part]**2)) / self.draws
-                   for name in self.signals if name != self.torque}

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A long recording: short cuts on the way must not change what comes out."""
-from hst_drive.measure import replay
+from hst_drive.measure import recorded_load
 from hst_drive.measure.compare import compare
 from hst_drive.measure.errors import Moments, russell
 from hst_drive.measure.floor import replay_floor
@@ -37,7 +37,7 @@ def test_what_is_kept_is_what_would_be_computed(effects):
 def test_one_draw_gives_the_floor_of_a_long_recording(monkeypatch):
     run, drive = record(4, duration=200.0), Drive(RIG)
     whole = replay_floor(Replay(run, drive), drive)
-    monkeypatch.setattr(replay, '_LONG', 100.0)
+    monkeypatch.setattr(recorded_load, '_LONG', 100.0)
     assert replay_floor(Replay(run, drive), drive) == pytest.approx(whole, rel=0.05)
 
 
