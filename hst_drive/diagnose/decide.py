@@ -83,7 +83,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
-    limited = _at_limits(campaign, best.fit)
+    limited = [entry.quantity for entry in _calibration(campaign, best.fit) if entry.at_limit]
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
@@ -245,10 +245,6 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
         mean = (sum(value**2 for value in ratios.values()) / max(len(ratios), 1))**0.5
         entries.append(Ranked(name, mean, 0.5 * (search.baseline.score - candidate.score)))
     return tuple(sorted(entries, key=lambda entry: -entry.evidence))
-
-
-def _at_limits(campaign: Campaign, fitted: Fit) -> list[str]:
-    return [entry.quantity for entry in _calibration(campaign, fitted) if entry.at_limit]
 
 
 def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]],
