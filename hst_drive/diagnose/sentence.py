@@ -80,7 +80,8 @@ def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
     missing, known = ('has changed since the machine was commissioned', 'what is known of it') \
         if commissioned else ('is missing', 'the tolerances')
     untold = f', but not {listed(hidden, "or")}' if hidden else ''
-    beside = f'; {listed(adopted)}, adopted before, stays as it was' if adopted else ''
+    beside = f'; {listed(adopted)}, adopted before, ' + (
+        'stay as they were' if len(adopted) > 1 else 'stays as it was') if adopted else ''
     return (f'Nothing {missing}, as far as these logs show{beside}. They show the balances of '
             f'{listed([CHANNELS[name].title for name in ratios])}, and effects from the sizes '
             f'below on{untold}. The model, calibrated within {known}, explains them down to the '
