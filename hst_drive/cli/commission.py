@@ -72,7 +72,7 @@ def text(found: Commissioned) -> str:
              'commissioned for: ' + ', '.join(
                  f'{key} {low:g} to {high:g}' for key, (low, high)
                  in found.rig['commissioned']['conditions'].items())]
-    law = found.rig.get('effects', {}).get(OIL_LAW)
+    law = (found.rig.get('effects') or {}).get(OIL_LAW)
     if law:
         lines.append("its leakage follows the oil's viscosity to the power "
                      f"{law['exponent']:.2g}: '{OIL_LAW}' is part of this machine, and no fault")
