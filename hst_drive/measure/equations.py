@@ -118,7 +118,7 @@ def hydromotor_speed(model: PartModel, known: Known, channels: Known, weak: Weak
 
 def case_drain(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:
     """Return the leakage of the hydromotor."""
-    return model.motor_leakage(known)
+    return model.case_drain(known)
 
 
 def return_line(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:

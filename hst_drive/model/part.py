@@ -131,15 +131,25 @@ class PartModel:
         return total
 
     def motor_leakage(self, known: Known) -> Any:
-        """Return all that the hydromotor leaks at a pressure and speed, m^3/s."""
-        if 'outlet_pressure' in known:
-            # Either port may be the one under pressure.
-            known = {**known, 'pressure': np.maximum(known['pressure'], known['outlet_pressure'])}
+        """Return what the hydromotor leaks into its case from its inlet, m^3/s."""
+        known = {**known, 'pressure': np.maximum(known['pressure'], 0.0)}
         table = self.factor('motor.leakage') * self.rig.motor.leakage(
             known['pressure'], np.abs(known['motor_speed']))
         flow = self.motor_displacement * known['motor_speed'] + table
         return table + self.terms('motor_flow_loss', {
             **known, 'motor_leakage': table, 'flow': flow})
+
+    def case_drain(self, known: Known) -> Any:
+        """Return what the hydromotor leaks into its case from both ports, m^3/s."""
+        if 'outlet_pressure' not in known:
+            # Of a difference of two ports the one under pressure counts.
+            return self.motor_leakage({**known, 'pressure': np.abs(known['pressure'])})
+        # What a formula takes it takes once.
+        listed = copy.copy(self)
+        listed.effects = {name: values for name, values in self.effects.items()
+                          if effect_of(name).searched != 'never'}
+        return self.motor_leakage(known) + listed.motor_leakage({
+            **known, 'pressure': known['outlet_pressure']})
 
     def line_drop(self, known: Known) -> Any:
         """Return the pressure lost between the pump and the hydromotor, Pa."""
@@ -162,9 +172,14 @@ class PartModel:
             # A cavitating inlet neither drives nor brakes.
             ideal = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0)) * (
                 self.motor_displacement)
+            lost = (1.0 - efficiency) * np.abs(ideal)
+            if self.rig.motor.torque_loss:
+                # Coefficients tell what is lost without a pressure, too.
+                coulomb, viscous, share = self.rig.motor.torque_loss
+                share = 1.0 - self.factor('motor.mechanical_efficiency') * (1.0 - share)
+                lost = share * np.abs(ideal) + coulomb + viscous * np.abs(speed)
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
-            hydraulic = ideal - (1.0 - efficiency) * np.abs(ideal) * np.where(
-                speed == 0.0, np.sign(ideal), direction)
+            hydraulic = ideal - lost * np.where(speed == 0.0, np.sign(ideal), direction)
             known = {**known, 'efficiency': efficiency}
         return (hydraulic + self.terms('motor_torque', known)
                 - self.terms('motor_torque_loss', known) * direction)

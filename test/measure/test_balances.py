@@ -5,10 +5,11 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.measure.balances import closed, is_table
+from hst_drive.measure.equations import case_drain, hydromotor_flow
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
 from hst_drive.model.part import PartModel
-from hst_drive.rig import default_rig
+from hst_drive.rig import default_rig, parse_rig
 import numpy as np
 import pytest
 
@@ -45,6 +46,25 @@ def test_a_loading_unit_is_judged_by_its_command_and_speed():
     predicted = PartReplay(run, model).predict(model)['load_torque']
     assert predicted.mean() == pytest.approx(
         LoadingUnit.of(rig.loading).torque_of_command(2.5, 10.0), rel=1e-3)
+
+
+def test_a_hydromotor_with_both_ports_leaks_and_loses_as_by_hand():
+    """It turns either way and drives or is driven; its meter is at the inlet."""
+    model = PartModel(parse_rig({'motor': {
+        'displacement_cc_rev': 250, 'leakage_L_min': {'laminar_L_min_per_bar': 0.006},
+        'mechanical_efficiency': {'coulomb_N_m': 8, 'viscous_N_m_s_per_rad': 0.5,
+                                  'pressure_share': 0.035}}}))
+    speed = np.array([12.0, 12.0, -12.0, -12.0])
+    inlet, outlet = 1e5 * np.array([[140.0, 4.0, 5.0, 90.0], [5.0, 90.0, 140.0, 4.0]])
+    known = model.complete({'motor_speed': speed, 'pressure': inlet, 'outlet_pressure': outlet})
+    displacement, leakage = 250e-6 / (2 * np.pi), 1e-3 / 60 * 0.006 / 1e5
+    ideal = displacement * (inlet - outlet)
+    lost = 8 + 0.5 * 12 + 0.035 * abs(ideal)
+    for found, true in ((model.motor_torque(known), ideal - lost * np.sign(speed)),
+                        (hydromotor_flow(model, known, {}, None),
+                         displacement * speed + leakage * inlet),
+                        (case_drain(model, known, {}, None), leakage * (inlet + outlet))):
+        np.testing.assert_allclose(found, true, rtol=2e-3)
 
 
 def test_a_log_with_nothing_to_judge_on_is_refused():
