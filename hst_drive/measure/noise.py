@@ -20,7 +20,8 @@ from scipy.optimize import nnls
 
 _BLOCK = 50         # samples in which noise is told from motion
 _SPAN, _FEWEST = 1.0, 10    # s and samples: a block of increments; a step of the load spoils few
-_CLEARLY = 0.5      # of the misfit of one pole: below, two poles fit better than by chance
+_SHORT = 0.3        # s: lags that tell white noise; steps of the load show in longer ones
+_SECOND = (0.0, 0.15, 0.3, 0.5, 1.0)    # time constant of a second pole over that of the first
 
 
 def noise_std(values: np.ndarray) -> float:
@@ -98,8 +99,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     Fit a coloured disturbance in white noise to a residual by its structure function.
 
     The squared increments over lags of one sample to 1 s, as medians over blocks, grow as
-    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``. Where a disturbance of two poles,
-    smoother at short lags, fits better, the white noise is what stands beside that.
+    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``. The white noise is what stands beside
+    the disturbance of one or two poles that fits short lags best: with two it is smoother there.
 
     Parameters
     ----------
@@ -124,10 +125,10 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     if top < 1e-100:
         return Coloured(0.0, 0.3, 0.0)
     half, most = half / top, noise**2 / top
-    rough, misfit = _fitted(lags * step, half, 0.0, most, poles=1)
-    smooth, smoother = _fitted(lags * step, half, 0.0, most, poles=2)
-    if smoother < _CLEARLY * misfit:
-        rough, _ = _fitted(lags * step, half, smooth.noise_std**2, most, poles=1)
+    short = lags * step < _SHORT
+    best, _ = min((_fitted(lags[short] * step, half[short], 0.0, most, second)
+                   for second in _SECOND), key=lambda found: found[1])
+    rough, _ = _fitted(lags * step, half, best.noise_std**2, most)
     return Coloured(rough.std * math.sqrt(top), rough.time_constant,
                     rough.noise_std * math.sqrt(top))
 
@@ -168,13 +169,21 @@ def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float,
 
 
 def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,
-            poles: int) -> tuple[Coloured, float]:
-    """Fit half the squared increments, white noise between two variances; return its misfit."""
+            second: float = 0.0) -> tuple[Coloured, float]:
+    """
+    Fit half the squared increments, white noise between two variances; return the misfit, too.
+
+    ``second`` is the time constant of a second pole over that of the first.
+    """
     weights = 1 / np.maximum(half, 1e-2)
     best, error = Coloured(0.0, 0.3, math.sqrt(most)), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
-        decay = np.exp(-lags / constant)
-        shape = 1 - decay * (1 + lags / constant if poles == 2 else 1)
+        if 0.0 < second * constant < 2.0 * lags[0]:
+            continue    # of so few rows that nothing tells it from white noise
+        ago = lags / constant
+        shape = 1.0 - (np.exp(-ago) * (1.0 + ago) if second == 1.0 else np.exp(-ago))
+        if 0.0 < second < 1.0:
+            shape = 1.0 - (np.exp(-ago) - second * np.exp(-ago / second)) / (1.0 - second)
         columns = np.column_stack([np.ones(len(lags)), shape]) * weights[:, None]
         white, variance = np.linalg.lstsq(columns, half * weights, rcond=None)[0]
         white = min(max(float(white), least), most)
