@@ -165,9 +165,9 @@ def _explained(search: Search) -> tuple[
     better = unlisted_instead(search, best)
     if better:
         best = standing(search, without(search, best, better))
-    left = search.unexplained(best)
-    return best, left, better, more or (
-        None if better else unlisted_beside(search, best, left))
+    if not (more or better):
+        best, more = unlisted_beside(search, best, search.unexplained(best))
+    return best, search.unexplained(best), better, more
 
 
 def _unlike(campaign: Campaign, logs: Sequence[Run]) -> tuple[str, str]:

@@ -111,18 +111,26 @@ def _of_warmth(search: Search, best: Candidate,
         f'{how_much_better(search, best, trial.fit)}', unknown))
 
 
-def unlisted_beside(search: Search, best: Candidate, left: Container[str]) -> Unlisted | None:
+def unlisted_beside(search: Search, best: Candidate,
+                    left: Container[str]) -> tuple[Candidate, Unlisted | None]:
     """
-    Return what fits better beside a set and is not listed; None if nothing does.
+    Return a set, and what fits better beside it and is not listed; None if nothing does.
 
     ``left`` are the signals that the set leaves unexplained. Where nothing seems to be left, a
-    rough load, or the unit's own lag, may still hide it from the noise ratio.
+    rough load, or the unit's own lag, may still hide it from the noise ratio. A set whose fit had
+    stopped in a bend of its valley comes back as good as the trials have shown that it can be.
     """
     if search.campaign.by_balance:
-        return None
+        return best, None
     trial = _best(search, best, [*_beside(search, best, left)], left)
-    return None if trial is None else Unlisted(
-        f'{trial.what} {how_much_better(search, best, trial.fit)}', trial.unknown)
+    if trial is None:
+        return best, None
+    again = search.restarted(best, trial.fit)
+    if again is not best and not better(
+            search, again, trial.fit, search.campaign, search.unexplained(again)):
+        return again, None
+    return again, Unlisted(
+        f'{trial.what} {how_much_better(search, again, trial.fit)}', trial.unknown)
 
 
 def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Container[str],

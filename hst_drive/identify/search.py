@@ -201,6 +201,17 @@ class Search:
         self._known[candidate.names] = self._refined[candidate.names] = usual
         return usual
 
+    def restarted(self, candidate: Candidate, elsewhere: Fit) -> Candidate:
+        """Return a candidate, or what it becomes from where another fit ended, if that is better."""
+        model = Model({name: elsewhere.model.effects.get(name, values)
+                       for name, values in candidate.fit.model.effects.items()},
+                      elsewhere.model.factors)
+        again = self._patient(candidate._replace(fit=elsewhere._replace(model=model)))
+        if again.score >= candidate.score:
+            return candidate
+        self._known[candidate.names] = self._refined[candidate.names] = again
+        return again
+
     def _patient(self, candidate: Candidate) -> Candidate:
         known: dict[tuple[str, str], np.ndarray] = {}
         for _ in range(_ROUNDS):

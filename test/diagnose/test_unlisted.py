@@ -6,7 +6,8 @@ import re
 from bench.campaigns import as_runs
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.effects.formula import FLOW
-from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.fit import fit
 from hst_drive.identify.search import Search
 import pytest
 
@@ -117,7 +118,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
 def beside_nothing(hidden, **options):
     """Return what is told where no effect is searched."""
     search = Search(Campaign(*as_runs(make_campaign(43, hidden, **options))), ())
-    return unlisted_beside(search, search.baseline, search.unexplained(search.baseline))
+    return unlisted_beside(search, search.baseline, search.unexplained(search.baseline))[1]
 
 
 @pytest.mark.needs_numba
@@ -162,7 +163,23 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
     if signal == 'load_torque':
         # It goes into the replay: what it spoils there may be all that is left.
         left.pop(signal, None)
-    found = unlisted_beside(search, search.baseline, left).unknown
+    found = unlisted_beside(search, search.baseline, left)[1].unknown
     assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)
+
+
+@pytest.mark.needs_numba
+def test_a_fit_that_had_stopped_too_early_is_no_sign_of_something_unlisted():
+    """What a trial fits better of the unit and the effect, the set has as well."""
+    made = make_campaign(43, {'prv_cracking': 1.0}, rate_hz=50.0)
+    search = Search(Campaign(*as_runs(made)), ('prv_cracking',))
+    good = search.refine(search.single('prv_cracking'))
+    factors = {**good.fit.model.factors}
+    factors['pump.displacement_lag'] += 0.2
+    early = search.candidate(good.names, fit(
+        search.campaign, Model(good.fit.model.effects, factors), iterations=0, refresh=True))
+    assert early.score > 1.05 * good.score
+    again, told = unlisted_beside(search, early, search.unexplained(early))
+    assert told is None
+    assert again.score == pytest.approx(good.score, rel=0.02)

@@ -49,7 +49,7 @@ def test_ripple_is_found_in_logs_that_begin_at_other_angles():
 def test_load_of_each_turn_is_found_in_logs_that_begin_at_other_angles():
     search = searched({'bit_eccentricity': 0.6})
     left = search.unexplained(search.baseline)
-    assert 'angle of the shaft' in unlisted_beside(search, search.baseline, left).told
+    assert 'angle of the shaft' in unlisted_beside(search, search.baseline, left)[1].told
 
 
 @pytest.mark.needs_numba
