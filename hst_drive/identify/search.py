@@ -202,7 +202,7 @@ class Search:
         return usual
 
     def restarted(self, candidate: Candidate, elsewhere: Fit) -> Candidate:
-        """Return a candidate, or what it becomes from where another fit ended, if that is better."""
+        """Return a candidate, or what it becomes from where another fit ended; the better one."""
         model = Model({name: elsewhere.model.effects.get(name, values)
                        for name, values in candidate.fit.model.effects.items()},
                       elsewhere.model.factors)

@@ -21,7 +21,8 @@ from scipy.optimize import nnls
 _BLOCK = 50         # samples in which noise is told from motion
 _SPAN, _FEWEST = 1.0, 10    # s and samples: a block of increments; a step of the load spoils few
 _SHORT = 0.3        # s: lags that tell white noise; steps of the load show in longer ones
-_SECOND = (0.0, 0.15, 0.3, 0.5, 1.0)    # time constant of a second pole over that of the first
+_SECOND = (0.15, 0.3, 0.5, 1.0)     # time constant of a second pole over that of the first
+_CLEARLY = 0.7      # of the misfit of one pole: below, two poles fit better than by chance
 
 
 def noise_std(values: np.ndarray) -> float:
@@ -99,8 +100,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     Fit a coloured disturbance in white noise to a residual by its structure function.
 
     The squared increments over lags of one sample to 1 s, as medians over blocks, grow as
-    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``. The white noise is what stands beside
-    the disturbance of one or two poles that fits short lags best: with two it is smoother there.
+    ``2*noise**2 + 2*std**2*(1 - exp(-lag/time_constant))``. Where a disturbance of two poles,
+    smoother at short lags, fits these better, the white noise is what stands beside that.
 
     Parameters
     ----------
@@ -126,9 +127,11 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
         return Coloured(0.0, 0.3, 0.0)
     half, most = half / top, noise**2 / top
     short = lags * step < _SHORT
-    best, _ = min((_fitted(lags[short] * step, half[short], 0.0, most, second)
-                   for second in _SECOND), key=lambda found: found[1])
-    rough, _ = _fitted(lags * step, half, best.noise_std**2, most)
+    (_, misfit), *smooth = (_fitted(lags[short] * step, half[short], 0.0, most, second)
+                            for second in (0.0, *_SECOND))
+    best, smoother = min(smooth, key=lambda found: found[1])
+    least = best.noise_std**2 if smoother < _CLEARLY * misfit else 0.0
+    rough, _ = _fitted(lags * step, half, least, most)
     return Coloured(rough.std * math.sqrt(top), rough.time_constant,
                     rough.noise_std * math.sqrt(top))
 

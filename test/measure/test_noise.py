@@ -68,10 +68,15 @@ def test_steps_of_the_load_are_no_roughness_at_any_rate(rate):
     assert np.mean(found) == pytest.approx(3.0, rel=0.25)
 
 
-@pytest.mark.parametrize('rate, std, constant, second', [
-    (100, 3.0, 0.16, 0.16), (50, 2.3, 0.12, 0.036), (50, 2.3, 0.12, 0.12), (25, 3.0, 0.3, 0.3)])
-def test_noise_that_smooth_rock_hides(rate, std, constant, second):
-    """Two poles have few increments at short lags, where one pole would leave no noise."""
+@pytest.mark.parametrize('rate, std, constant, second, step', [
+    (100, 3.0, 0.16, 0.16, 0.0), (50, 2.3, 0.12, 0.036, 0.0), (50, 2.3, 0.12, 0.12, 0.0),
+    (25, 3.0, 0.3, 0.3, 0.0), (100, 2.3, 0.12, 0.036, 2.0)])
+def test_noise_that_smooth_rock_hides(rate, std, constant, second, step):
+    """
+    Two poles have few increments at short lags, where one pole would leave no noise.
+
+    A model of the load that is off by another ``step`` (N.m) every second shows at long lags.
+    """
     found, n = [], 60 * rate
     for seed in range(6):
         random = np.random.default_rng(seed)
@@ -80,6 +85,7 @@ def test_noise_that_smooth_rock_hides(rate, std, constant, second):
         for k in range(1, n):
             rock[k] = rock[k - 1] + share * (rock[k] - rock[k - 1])
         values = std * rock / rock.std() + 0.5 * random.standard_normal(n)
+        values += step * random.standard_normal(61)[np.arange(n) // rate]
         found.append(estimate_coloured(np.arange(n) / rate, values, noise_std(values)).noise_std)
     assert np.mean(found) == pytest.approx(0.5, rel=0.15)
 
