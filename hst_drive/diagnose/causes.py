@@ -25,6 +25,7 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import at_limit, Fit, fit, limited
+from hst_drive.identify.judge import AT_NOISE, parts
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.threads import each
 import numpy as np
@@ -68,9 +69,12 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
         Signals that it leaves unexplained.
 
     """
-    strained = limited(search.campaign, best.fit)
-    if search.campaign.by_balance or not left and len(
-            best.names) < 2 and not strained:
+    campaign = search.campaign
+    strained = limited(campaign, best.fit)
+    # Below the floor nothing is left that a unit off its tolerances could be the cause of.
+    strains = strained and any(ratio > AT_NOISE for part in parts(campaign)
+                               for ratio in campaign.ratios(best.fit.errors, part).values())
+    if campaign.by_balance or not left and len(best.names) < 2 and not strains:
         return None
     # Beside a unit at its limits that explains all, only what would take it off one.
     causes = [*_misread(search, best), *_mistaken(search)] if best.names or left else [

@@ -88,7 +88,6 @@ class Campaign:
     events = 0.07   # share of the blocks that single events may spoil
     searched: tuple[str, ...] = ('always',)
     by_balance = False      # True: no simulation, each balance by itself, both sides smoothed
-    advice = ''     # what to record next, where no test can be designed
     signed = False  # True: a leak may be negative, where it is what has changed in a machine
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):

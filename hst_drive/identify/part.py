@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from typing import Sequence
 
-from hst_drive.channels import TORQUES
+from hst_drive.channels import CHANNELS, TORQUES
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import (
     BLOCK, Campaign, ELSEWHERE, Model, SETTLE)
 from hst_drive.identify.observable import unread
-from hst_drive.measure.balances import is_part
+from hst_drive.measure.balances import is_part, lacking, untold
+from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
@@ -49,8 +50,6 @@ class PartCampaign(Campaign):
 
     searched = ('always', 'parts')
     by_balance = True
-    advice = ('record more operating points: a wider span of pressure, speed, stroke and oil '
-              'temperature than these logs have tells them apart')
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         if rig.circuit != OPEN:
@@ -113,6 +112,28 @@ class PartCampaign(Campaign):
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
         return self.drive.changed(model.effects, model.scales)
+
+    def to_record(self, models: Sequence[Model]) -> str:
+        """Say what to record next, to tell a model from others that explain these logs as well."""
+        replay = max(self.replays, key=lambda entry: len(entry.run))
+        apart: dict[str, float] = {}
+        for balance in balances_of(self.rig):
+            signal, *others = balance.groups[0]
+            if {signal, *others} & replay.run.channels.keys() or lacking(
+                    balance, {*replay.run.channels, signal}, self.rig):
+                continue
+            first, *rest = (replay.would_read(balance, self.driver(model)) for model in models)
+            unsure = np.hypot(untold(balance, first),
+                              CHANNELS[signal].noise * np.max(np.abs(first))) + 1e-30
+            apart[signal] = min(float(np.sqrt(np.mean((other - first)**2))) / unsure
+                                for other in rest)
+        telling = sorted((name for name, far in apart.items() if far > 1.0),
+                         key=lambda name: -apart[name])
+        if telling:
+            named = ' or '.join(f'{CHANNELS[name].title} ({name})' for name in telling)
+            return f'record {named} as well: that tells them apart'
+        return ('record more operating points: a wider span of pressure, speed, stroke and oil '
+                'temperature than these logs have may tell them apart')
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""

@@ -19,6 +19,7 @@ from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import Known, PartModel
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 import numpy as np
 
 _STEP = 0.5         # of the actuator's lag, while the drive runs
@@ -32,10 +33,14 @@ _READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
 
 def watched(signals: Container[str], rig: Rig) -> dict[str, Balance]:
     """Return the balances, by id, that some signals close while the drive runs."""
+    return {entry.id or entry.signal: entry for entry in balances_of(rig)
+            if (entry.id or rig.circuit != OPEN) and not lacking(entry, signals, rig)}
+
+
+def balances_of(rig: Rig) -> tuple[Balance, ...]:
+    """Return all balances that logs of a rig, or of a part of it, may close."""
     circuit = circuits.circuit_of(rig)
-    declared = circuit.balances if circuit else BALANCES.values()
-    return {entry.id or entry.signal: entry for entry in declared
-            if (entry.id or circuit) and not lacking(entry, signals, rig)}
+    return circuit.balances if circuit else tuple(BALANCES.values())
 
 
 def read_instead(model: PartModel) -> tuple[str, ...]:

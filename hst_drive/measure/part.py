@@ -256,6 +256,15 @@ class PartReplay:
             balance, model, known, channels, self._weak(name)), len(self.run))
             for name, balance in self.balances.items()}
 
+    def would_read(self, balance: Balance, model: PartModel) -> np.ndarray:
+        """Return what a sensor that the log lacks would read, SI, by the balance of its signal."""
+        time = None if self.static else self.run.time
+        weak = Weak(time, np.asarray, lambda values: (
+            np.zeros(len(values)) if time is None else np.gradient(values, time)))
+        return np.broadcast_to(predicted(
+            balance, model, self._told(model, self._channels), self._channels, weak),
+            len(self.run))
+
     def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         """Return what the equations may read."""
         return told(model, channels, self._creeping, self.inputs.get('motor_angle'))

@@ -180,8 +180,9 @@ class Estimator(DriveNode):
         self.outputs['verdict'].publish(stamp, said)
         observer = self._observer
         if said.failing:
-            message, values = verdict.alarm(said, observer.origin, self.settings['bag'],
-                                            observer.signatures.unseen, observer.balances.closed)
+            message, values = verdict.alarm(
+                said, observer.origin, verdict.to_diagnose(self.settings),
+                observer.signatures.unseen, observer.balances.closed)
             if said.failing != self._failing:
                 self.get_logger().warning(message)
             self._tell(stamp, 'watch', verdict.WARN, message, values)

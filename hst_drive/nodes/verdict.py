@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+import shlex
+from typing import Any, TYPE_CHECKING
 
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.definitions import find_definition
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
     from hst_drive.watch.naming import Likely
     from hst_drive.watch.watch import Verdict
 
-__all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'VerdictOutput', 'WARN']
+__all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'to_diagnose', 'VerdictOutput',
+           'WARN']
 UNKNOWN = 'unknown'
 """Named where a balance fails and no effect of the catalogue explains it."""
 RATE = '.rate'
@@ -94,7 +96,13 @@ def _unit(entry: Likely) -> str:
                 if parameter.name == entry.parameter)
 
 
-def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str],
+def to_diagnose(settings: Mapping[str, Any]) -> str:
+    """Return the command that diagnoses the bag of a node with these parameters."""
+    return ' '.join(['hst-drive diagnose', shlex.quote(settings['bag'] or 'BAG'), *(
+        f'--{key} {shlex.quote(settings[key])}' for key in ('rig', 'channels') if settings[key])])
+
+
+def alarm(verdict: Verdict, origin: int, command: str, unseen: Sequence[str],
           watched: Mapping[str, Balance]) -> tuple[str, dict[str, str]]:
     """
     Return message and values of the status for a balance that fails.
@@ -105,8 +113,8 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str],
         With at least one balance that fails.
     origin : int
         Stamp of the first sample, ns; times are given from there as well.
-    bag : str
-        Bag that is being recorded, '' if that is not known.
+    command : str
+        That diagnoses the bag which is being recorded.
     unseen : sequence of str
         Effects that this watch cannot see.
     watched : mapping of str to Balance
@@ -132,7 +140,7 @@ def alarm(verdict: Verdict, origin: int, bag: str, unseen: Sequence[str],
         'section_from': _stamp(verdict.since), 'section_to': _stamp(verdict.until),
         'section_s': f'{(verdict.since - origin) / BILLION:.1f} to '
                      f'{(verdict.until - origin) / BILLION:.1f} s of the run',
-        'diagnose': f'hst-drive diagnose {bag or "BAG"}',
+        'diagnose': command,
         'not_watched': ', '.join(unseen)}
     return f'{title} fails since {began:.0f} s{size}{guess}', values
 

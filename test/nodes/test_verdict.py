@@ -42,6 +42,15 @@ def test_growth_comes_behind_the_effects():
                                '(0.00216 to 0.00648)')
 
 
+@pytest.mark.parametrize('bag, rig, mapping, command', [
+    ('run', '', '', 'hst-drive diagnose run'),
+    ('', 'unit 7.yaml', '', "hst-drive diagnose BAG --rig 'unit 7.yaml'"),
+    ('run', 'unit.yaml', 'map.yaml',
+     'hst-drive diagnose run --rig unit.yaml --channels map.yaml')])
+def test_the_command_that_it_points_to_has_the_rig_and_the_map(bag, rig, mapping, command):
+    assert verdict.to_diagnose({'bag': bag, 'rig': rig, 'channels': mapping}) == command
+
+
 def test_a_failure_that_no_effect_explains_is_told_all_the_same():
     said = verdict.named(5 * SECOND, Verdict({}, {}, ('motor_flow',), began=2 * SECOND))
     assert said == {'name': ['unknown'], 'position': [0.0], 'velocity': [0.0], 'effort': [3.0]}
