@@ -30,6 +30,7 @@ _FLOW, _LOAD = 1.7, 2.5     # ratio that no tolerance makes
 _LOST = 8.0             # ratio that no loss, no worn valve and no dead band makes
 _LEAST = 0.05           # of what the rig can do: less is idling or standstill and tells nothing
 _KNOWN = 0.06           # how near a ratio lies to that of a unit
+_COMMANDED = 1.1        # of where a command's curve ends: no controller asks for more
 _HOTTEST = 115.0 + 273.15   # K: no hydraulic oil is, in the median
 _COLDEST = -60.0 + 273.15   # K: nor below what the oils of the Arctic pour at
 _DRIFT = 0.03           # of the size, from start to end
@@ -87,8 +88,9 @@ def refuse_wrong_units(rig: Rig, runs: Sequence[Run]) -> None:
         told = unit_doubts(rig, run, sure=True)
         if told:
             raise InputError(f'{run.source}: {"; ".join(told)}; no missing physics does that: '
-                             'mend the unit (column header or --channels) or the number in the '
-                             'rig file, or leave the column out')
+                             'mend the unit (column header or --channels), the sign (scale: -1 '
+                             'in --channels) or the number in the rig file, or leave the column '
+                             'out')
 
 
 def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
@@ -103,9 +105,25 @@ def unit_doubts(rig: Rig, run: Run, sure: bool = False) -> list[str]:
     if usual > _HOTTEST or usual < _COLDEST:
         found.append(f'oil_temperature is {usual - 273.15:.0f} degC in the median, '
                      'which no oil is (degC, K or degF taken for each other?)')
+    found += _commands(rig, run)
     found += [line for group in _groups(rig, run) for line in _factor(group, sure)]
     if not found and is_part(run, rig) and (line := swapped(rig, run)):
         found.append(line)
+    return found
+
+
+def _commands(rig: Rig, run: Run) -> list[str]:
+    """Return a line for each command that goes on where its curve in the rig file ends."""
+    found = []
+    for name, curve in (('pump_command', rig.pump and rig.pump.displacement),
+                        ('pprv_command', rig.loading and rig.loading.pprv_pressure),
+                        ('valve_command', rig.valve and rig.valve.opening)):
+        if curve is None or name not in run:
+            continue
+        high, end = float(np.nanpercentile(np.abs(run[name]), _HIGH)), float(np.abs(curve.x).max())
+        if high > _COMMANDED * end:
+            found.append(f'{name} is {high:.3g} V and more for a tenth of the time, where the '
+                         f"rig's curve ends at {end:.3g} V (percent or mA taken for V?)")
     return found
 
 

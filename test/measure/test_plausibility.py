@@ -49,6 +49,14 @@ def test_a_wrong_unit_is_refused_in_one_line():
     assert '\n' not in str(it.value)
 
 
+@pytest.mark.parametrize('channel, gain, zero', [
+    ('pump_command', 10.0, 0.0), ('pprv_command', 10.0, 0.0), ('pump_command', 1.6, 4.0)])
+def test_a_command_in_percent_or_milliampere_is_told(channel, gain, zero):
+    told = unit_doubts(default_rig(), spoilt(lambda volts: gain * volts + zero, channel))
+    assert f'{channel} is ' in told[0]
+    assert 'ends at 10 V (percent or mA taken for V?)' in told[0]
+
+
 @pytest.mark.parametrize('change', (
     lambda kelvin: kelvin + 273.15, lambda kelvin: (kelvin - 273.15) * 1.8 + 32.0 + 273.15))
 def test_oil_that_no_oil_is(change):
