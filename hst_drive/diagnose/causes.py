@@ -18,14 +18,14 @@ from typing import Callable, Container, Iterator, Mapping, NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.dependence import STATIC
-from hst_drive.diagnose.free_forms import better, faint, Freer, PATIENT, told_as, Trial
+from hst_drive.diagnose.free_forms import (
+    better, beyond_noise, faint, Freer, PATIENT, told_as, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign, Model
 from hst_drive.identify.fit import at_limit, Fit, fit, limited
-from hst_drive.identify.judge import AT_NOISE, parts
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.threads import each
 import numpy as np
@@ -69,12 +69,9 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
         Signals that it leaves unexplained.
 
     """
-    campaign = search.campaign
-    strained = limited(campaign, best.fit)
-    # Below the floor nothing is left that a unit off its tolerances could be the cause of.
-    strains = strained and any(ratio > AT_NOISE for part in parts(campaign)
-                               for ratio in campaign.ratios(best.fit.errors, part).values())
-    if campaign.by_balance or not left and len(best.names) < 2 and not strains:
+    strained = limited(search.campaign, best.fit)
+    if search.campaign.by_balance or not left and len(
+            best.names) < 2 and not strained:
         return None
     # Beside a unit at its limits that explains all, only what would take it off one.
     causes = [*_misread(search, best), *_mistaken(search)] if best.names or left else [
@@ -100,7 +97,9 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
     """Say whether a cause alone is the better answer; ``freed`` has the tolerances beside it."""
     if left or len(best.names) > 1:
         return better(search, best, alone, freed, left, simpler=True)
-    return limited(freed, alone) < limited(search.campaign, best.fit) and better(
+    # Below the floor nothing is left that a number could be the cause of.
+    return limited(freed, alone) < limited(search.campaign, best.fit) and beyond_noise(
+        freed, alone) < beyond_noise(search.campaign, best.fit) and better(
         search, best, alone, freed, left)
 
 

@@ -80,9 +80,13 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
         return False
     if not search.unexplained(best._replace(fit=trial)):
         return True
-    before, after = (sum(excess(campaign.ratios(entry.errors, part)) for part in parts(campaign))
-                     for entry in (best.fit, trial))
+    before, after = (beyond_noise(campaign, entry) for entry in (best.fit, trial))
     return 0.0 < before and after <= _REST * before
+
+
+def beyond_noise(campaign: Campaign, fitted: Fit) -> float:
+    """Return the squared error of a fit beyond the noise, in squared floors."""
+    return sum(excess(campaign.ratios(fitted.errors, part)) for part in parts(campaign))
 
 
 def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:
