@@ -4,6 +4,7 @@
 from test.diagnose.unseen import unseen
 
 from bench.campaigns import as_runs
+from hst_drive.diagnose.causes import one_cause
 from hst_drive.identify import weigh
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE
@@ -38,3 +39,32 @@ def test_rough_rock_makes_no_flexible_shaft_likelier(tmp_path, monkeypatch):
     assert weigh.log_odds(search, [lag, both])[1] < CREDIBLE
     monkeypatch.setattr(weigh, '_over_own', lambda _, fit: fit.errors)
     assert weigh.log_odds(search, [lag, both])[1] > CREDIBLE, 'over the common floors'
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('seed', [51, 54])
+def test_slow_rows_of_one_set_point_make_no_number_of_the_datasheet_wrong(monkeypatch, seed):
+    """
+    The load swings between the rows, so that a stronger damping looks better.
+
+    The unit's factor of it sits at its limit, but all is below the floor.
+    """
+    def rock(count, random, size):
+        found = random.standard_normal(count)
+        for constant in (0.12, 0.036):
+            pole = np.exp(-1e-3 / constant)
+            found = lfilter([1.0 - pole], [1.0, -pole], found)
+        return size * found / found.std()
+
+    def work(number):
+        steps = np.random.default_rng(number).uniform(2.8, 3.6, 5)
+        return {'setpoint': np.full(50_000, 95.0), 'manual': np.full(50_000, 5.0),
+                'pprv': np.repeat(steps, 10_000), 'closed': True}
+
+    monkeypatch.setattr(profiles, 'roughness', rock)
+    made = make_campaign(seed, roughness=1.5, rate_hz=20.0, duration=50.0,
+                         logs=('drilling', 'drilling_holdout'),
+                         command={'drilling': work(seed), 'drilling_holdout': work(seed + 100)})
+    search = Search(Campaign(*as_runs(made)), ())
+    assert search.unexplained(search.baseline) == {}
+    assert one_cause(search, search.baseline, {}) is None
