@@ -84,7 +84,7 @@ def reads_late(signal: str) -> Timing:
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
                          (0.0, 0.4), 2e-3)
 ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
-    f"a lag that is {1 + abs(slower):.1f} times as long on the plate's way "
+    f"a lag that is {1 + abs(slower):.3g} times as long on the plate's way "
     + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
 LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow',
                  'load_torque', 'motor_torque')
