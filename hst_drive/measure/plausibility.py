@@ -118,9 +118,9 @@ def _commands(rig: Rig, run: Run) -> list[str]:
     for name, curve in (('pump_command', rig.pump and rig.pump.displacement),
                         ('pprv_command', rig.loading and rig.loading.pprv_pressure),
                         ('valve_command', rig.valve and rig.valve.opening)):
-        if curve is None or name not in run:
+        if curve is None or not np.isfinite(run.channels.get(name, np.nan)).any():
             continue
-        high, end = float(np.nanpercentile(np.abs(run[name]), _HIGH)), float(np.abs(curve.x).max())
+        high, end = np.nanpercentile(np.abs(run[name]), _HIGH), np.abs(curve.x).max()
         if high > _COMMANDED * end:
             found.append(f'{name} is {high:.3g} V and more for a tenth of the time, where the '
                          f"rig's curve ends at {end:.3g} V (percent or mA taken for V?)")
