@@ -13,6 +13,7 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, Scenario
 from hst_drive.model import Drive
+from hst_drive.model.circuit_model import part_model
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import wiring
 from hst_drive.nodes.both_ways import dead_band_of
@@ -121,6 +122,11 @@ def make_plan(options: Options) -> Plan:
                          'name with -o or remove it')
     _refuse_unwritable(output)
     effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
+    model = part_model(rig)
+    for name in effects:
+        if not model.enters(name):
+            raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
+                             f'{rig.source or rig.name}; leave it out')
     wiring.readings(options.topics, rig.circuit)
     rig_file = _absolute(options.rig)
     source = Path(scenario.source)

@@ -1,11 +1,14 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Diagnosis of circuits beside the open one, on machines of an independent generator."""
+from dataclasses import replace
 import math
+import re
 from test.measure.test_circuit import campaign
 
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.campaign import Model
 from hst_drive.identify.part import campaign_of
 import pytest
 
@@ -65,3 +68,19 @@ def test_commands_that_move_between_slow_rows_make_no_valve_faster(tmp_path):
     assert truth['rate_hz'] == 50.0
     assert math.exp(found.model.factors['valve.lag']) == pytest.approx(
         truth['scatter']['valve.lag'], abs=0.06)
+
+
+def test_a_sensor_that_would_tell_rivals_apart_is_named(tmp_path):
+    """Without a case drain's meter it may be the pump that leaks or the hydromotor."""
+    rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--kind', 'none', '--seed', '7004')
+    models = [Model({name: {'conductance': 1e-11, 'exponent': 1.0}})
+              for name in ('motor_leakage', 'pump_leakage')]
+    said = []
+    for more in ((), ('case_drain_flow',)):
+        runs = [replace(run, channels={name: run[name] for name in (
+            'pump_command', 'line_a_pressure', 'line_b_pressure', 'motor_speed', *more)})
+            for run in logs.values()]
+        said.append(campaign_of(rig, runs).to_record(models))
+    named = {*re.findall(r'\((\w+)\)', said[0])}
+    assert named == {'motor_inlet_flow', 'case_drain_flow'}
+    assert 'case_drain_flow' not in said[1]

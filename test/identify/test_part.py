@@ -1,17 +1,12 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Logs of a part of the drive: the right friction, the right leakage, and what cannot be told."""
-from dataclasses import replace
 import json
-import re
-from test.measure.test_circuit import campaign
 
 from hst_drive import cli
 from hst_drive.bag import write_csv
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
-from hst_drive.identify.part import campaign_of
 from hst_drive.measure.compare import compare, model_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import default_rig, parse_rig
@@ -93,22 +88,6 @@ def test_pump_bench_tells_the_leakage_over_a_wide_span_only(kind, name):
     assert narrow.verdict == 'ambiguous'
     assert found(narrow) == {'pump_leakage', 'pump_orifice_leakage'}
     assert 'wider span' in narrow.next_test.what
-
-
-def test_a_sensor_that_would_tell_rivals_apart_is_named(tmp_path):
-    """Without a case drain's meter it may be the pump that leaks or the hydromotor."""
-    rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--kind', 'none', '--seed', '7004')
-    models = [Model({name: {'conductance': 1e-11, 'exponent': 1.0}})
-              for name in ('motor_leakage', 'pump_leakage')]
-    said = []
-    for more in ((), ('case_drain_flow',)):
-        runs = [replace(run, channels={name: run[name] for name in (
-            'pump_command', 'line_a_pressure', 'line_b_pressure', 'motor_speed', *more)})
-            for run in logs.values()]
-        said.append(campaign_of(rig, runs).to_record(models))
-    named = {*re.findall(r'\((\w+)\)', said[0])}
-    assert named == {'motor_inlet_flow', 'case_drain_flow'}
-    assert 'case_drain_flow' not in said[1]
 
 
 def test_pump_bench_that_lacks_nothing():

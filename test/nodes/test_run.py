@@ -132,6 +132,7 @@ def test_real_time_keeps_the_clock(tmp_path):
     (('paper_stp',), ('paper_stp', 'paper_step')),
     (('paper_step', '--effect', 'motor_leakage.nothing=1'), ('nothing', 'conductance')),
     (('paper_step', '--effect', 'what is this'), ('id.parameter=value',)),
+    (('paper_step', '--effect', 'valve_lag'), ('valve_lag', "'circuit: open'", 'leave it out')),
     (('paper_step', '--topic', 'pump_command'), ('pump_command', 'motor')),
     (('paper_step', '--rate', '5000'), ('--rate', '1000')),
     (('paper_step', '--speed', '0'), ('--speed 0', '0.001')),
