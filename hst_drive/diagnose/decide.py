@@ -26,7 +26,7 @@ from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
 from hst_drive.identify.observable import visibility
-from hst_drive.identify.part import campaign_of, PartCampaign
+from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
@@ -165,9 +165,12 @@ def _explained(search: Search) -> tuple[
     better = unlisted_instead(search, best)
     if better:
         best = standing(search, without(search, best, better))
+    left = search.unexplained(best)
     if not (more or better):
-        best, more = unlisted_beside(search, best, search.unexplained(best))
-    return best, search.unexplained(best), better, more
+        found, more = unlisted_beside(search, best, left)
+        if found is not best:
+            best, left = found, search.unexplained(found)
+    return best, left, better, more
 
 
 def _unlike(campaign: Campaign, logs: Sequence[Run]) -> tuple[str, str]:
@@ -293,6 +296,5 @@ def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...
             [((*others, rival), kept.without(name)) for rival in group], 'trying rivals')]
     campaign = search.campaign
     search.progress('looking for a test')
-    what = campaign.to_record(models) if isinstance(campaign, PartCampaign) else in_short(
-        campaign.rig, models, campaign.signals)
+    what = campaign.to_record(models) or in_short(campaign.rig, models, campaign.signals)
     return NextTest(told_apart(models), what, tuple(dict(entry.effects) for entry in models))

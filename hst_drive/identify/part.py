@@ -116,17 +116,17 @@ class PartCampaign(Campaign):
     def to_record(self, models: Sequence[Model]) -> str:
         """Say what to record next, to tell a model from others that explain these logs as well."""
         replay = max(self.replays, key=lambda entry: len(entry.run))
+        there = replay.run.channels.keys()
+        closing = {balance.groups[0][0]: balance for balance in balances_of(self.rig)
+                   if not {*balance.groups[0]} & there
+                   and not lacking(balance, {*there, balance.groups[0][0]}, self.rig)}
+        first, *rest = (replay.would_read(self.driver(model), closing) for model in models)
         apart: dict[str, float] = {}
-        for balance in balances_of(self.rig):
-            signal, *others = balance.groups[0]
-            if {signal, *others} & replay.run.channels.keys() or lacking(
-                    balance, {*replay.run.channels, signal}, self.rig):
-                continue
-            first, *rest = (replay.would_read(balance, self.driver(model)) for model in models)
-            unsure = np.hypot(untold(balance, first),
-                              CHANNELS[signal].noise * np.max(np.abs(first))) + 1e-30
-            apart[signal] = min(float(np.sqrt(np.mean((other - first)**2))) / unsure
-                                for other in rest)
+        for signal, balance in closing.items():
+            unsure = np.hypot(untold(balance, first[signal]), CHANNELS[signal].noise * np.max(
+                np.abs(first[signal]))) + 1e-30
+            apart[signal] = min(float(np.sqrt(np.mean((other[signal] - first[signal])**2)))
+                                for other in rest) / unsure
         telling = sorted((name for name, far in apart.items() if far > 1.0),
                          key=lambda name: -apart[name])
         if telling:

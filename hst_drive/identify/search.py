@@ -203,10 +203,7 @@ class Search:
 
     def restarted(self, candidate: Candidate, elsewhere: Fit) -> Candidate:
         """Return a candidate, or what it becomes from where another fit ended; the better one."""
-        model = Model({name: elsewhere.model.effects.get(name, values)
-                       for name, values in candidate.fit.model.effects.items()},
-                      elsewhere.model.factors)
-        again = self._patient(candidate._replace(fit=elsewhere._replace(model=model)))
+        again = self._patient(candidate._replace(fit=elsewhere.only(candidate.names)))
         if again.score >= candidate.score:
             return candidate
         self._known[candidate.names] = self._refined[candidate.names] = again

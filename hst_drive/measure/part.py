@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Callable, Mapping
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
@@ -251,19 +251,23 @@ class PartReplay:
         """
         channels = self._channels if extra is None else {
             name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        known = self._told(model, channels)
-        return {name: np.broadcast_to(predicted(
-            balance, model, known, channels, self._weak(name)), len(self.run))
-            for name, balance in self.balances.items()}
+        return self._predicted(model, self.balances, channels, self._weak)
 
-    def would_read(self, balance: Balance, model: PartModel) -> np.ndarray:
-        """Return what a sensor that the log lacks would read, SI, by the balance of its signal."""
+    def would_read(self, model: PartModel,
+                   balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:
+        """Return what sensors that a log lacks would read, SI, by balances of their signals."""
         time = None if self.static else self.run.time
         weak = Weak(time, np.asarray, lambda values: (
             np.zeros(len(values)) if time is None else np.gradient(values, time)))
-        return np.broadcast_to(predicted(
-            balance, model, self._told(model, self._channels), self._channels, weak),
-            len(self.run))
+        return self._predicted(model, balances, self._channels, lambda name: weak)
+
+    def _predicted(self, model: PartModel, balances: Mapping[str, Balance],
+                   channels: dict[str, np.ndarray], weak: Callable[[str], Weak]
+                   ) -> dict[str, np.ndarray]:
+        known = self._told(model, channels)
+        return {name: np.broadcast_to(predicted(
+            balance, model, known, channels, weak(name)), len(self.run))
+            for name, balance in balances.items()}
 
     def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         """Return what the equations may read."""

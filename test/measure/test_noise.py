@@ -68,10 +68,22 @@ def test_steps_of_the_load_are_no_roughness_at_any_rate(rate):
     assert np.mean(found) == pytest.approx(3.0, rel=0.25)
 
 
+def test_noise_that_smooth_rock_hides():
+    """Two poles have no increments at short lags, where one pole would leave no noise."""
+    random, rate = np.random.default_rng(3), 100
+    rock = coloured(random, 6000, 1 / rate, 1.0, 0.16)
+    for k in range(1, len(rock)):
+        rock[k] = rock[k - 1] + (rock[k] - rock[k - 1]) / (0.16 * rate)
+    values = 3.0 * rock / rock.std() + 0.5 * random.standard_normal(6000)
+    time = np.arange(6000) / rate
+    found = estimate_coloured(time, values, noise_std(values))
+    assert found.noise_std == pytest.approx(0.5, rel=0.15)
+
+
 @pytest.mark.parametrize('rate, std, constant, second, step', [
     (100, 3.0, 0.16, 0.16, 0.0), (50, 2.3, 0.12, 0.036, 0.0), (50, 2.3, 0.12, 0.12, 0.0),
     (25, 3.0, 0.3, 0.3, 0.0), (100, 2.3, 0.12, 0.036, 2.0)])
-def test_noise_that_smooth_rock_hides(rate, std, constant, second, step):
+def test_noise_beside_rock_of_two_poles(rate, std, constant, second, step):
     """
     Two poles have few increments at short lags, where one pole would leave no noise.
 
