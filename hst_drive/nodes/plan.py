@@ -13,12 +13,11 @@ from typing import Any
 from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, Scenario
 from hst_drive.model import Drive
-from hst_drive.model.circuit_model import part_model
 from hst_drive.model.steady import operating_point
 from hst_drive.nodes import wiring
 from hst_drive.nodes.both_ways import dead_band_of
 from hst_drive.nodes.recordings import read_recording
-from hst_drive.nodes.settings import effect_texts, parse_effects
+from hst_drive.nodes.settings import effect_texts, effects_in
 from hst_drive.rig import default_rig, load_rig, Rig
 from hst_drive.rig.rig import OPEN
 
@@ -121,12 +120,7 @@ def make_plan(options: Options) -> Plan:
         raise InputError(f'{output}: exists already; bags are not overwritten: choose another '
                          'name with -o or remove it')
     _refuse_unwritable(output)
-    effects = parse_effects((*effect_texts(scenario.hidden_effects), *options.effects))
-    model = part_model(rig)
-    for name in effects:
-        if not model.enters(name):
-            raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
-                             f'{rig.source or rig.name}; leave it out')
+    effects = effects_in(rig, (*effect_texts(scenario.hidden_effects), *options.effects))
     wiring.readings(options.topics, rig.circuit)
     rig_file = _absolute(options.rig)
     source = Path(scenario.source)

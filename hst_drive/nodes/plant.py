@@ -15,7 +15,7 @@ from hst_drive.nodes.base import DriveNode, main as run_node
 from hst_drive.nodes.endpoints import BILLION, ClockOutput, partners_of, topic_named
 from hst_drive.nodes.parameters import Parameter, YAML_FILE
 from hst_drive.nodes.readings import BURST, Readings
-from hst_drive.nodes.settings import parse_effects, rig_of
+from hst_drive.nodes.settings import effects_in, rig_of
 from hst_drive.nodes.simulated import simulated
 import numpy as np
 from rclpy.duration import Duration
@@ -56,7 +56,7 @@ class Plant(DriveNode):
         """Build drive and sensors."""
         settings = self.settings
         rig = rig_of(settings)
-        effects, late = parse_effects(settings['effects']), settings['effects_from'] > 0.0
+        effects, late = effects_in(rig, settings['effects']), settings['effects_from'] > 0.0
         self._drive = simulated(rig, None if late else effects)
         self._later = simulated(rig, effects) if late else None
         self._names = wiring.readings(settings['extra_topics'], settings['circuit'])

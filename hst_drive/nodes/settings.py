@@ -27,6 +27,18 @@ def rig_of(settings: Mapping[str, Any]) -> Rig:
     return rig
 
 
+def effects_in(rig: Rig, texts: Iterable[str]) -> dict[str, dict[str, float]]:
+    """Read effects as ``parse_effects`` does; each must have a place in the rig's circuit."""
+    from hst_drive.model.circuit_model import part_model      # late: most nodes ask for no model
+
+    effects = parse_effects(texts)
+    for name in effects:
+        if not part_model(rig).enters(name):
+            raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
+                             f'{rig.source or rig.name}; leave it out')
+    return effects
+
+
 def parse_effects(texts: Iterable[str]) -> dict[str, dict[str, float]]:
     """
     Read effects given as ``id.parameter=value``, ``id.parameter=value[unit]`` or ``id``.
