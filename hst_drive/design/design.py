@@ -19,7 +19,7 @@ from hst_drive.design.separation import CLEAR, driver, Pair
 from hst_drive.design.trials import LONGEST, plain_drilling, scenario, Trial
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
+from hst_drive.identify.model import Model
 from hst_drive.rig import Rig
 
 HOPELESS = 2.0

@@ -12,8 +12,9 @@ from hst_drive.design.separation import (
 from hst_drive.design.trials import plain_drilling, scenario
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
+from hst_drive.identify.model import Model
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario
 from hst_drive.rig import Rig

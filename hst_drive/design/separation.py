@@ -15,10 +15,11 @@ from typing import Container, Iterable, NamedTuple, Sequence
 
 from hst_drive.design.rehearse import INPUTS, rehearse
 from hst_drive.design.trials import SPIN_UP
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, expected_odds
 from hst_drive.identify.fit import ended
 from hst_drive.identify.linearised import Linearised
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import formula_error, log_odds, Means

@@ -24,8 +24,9 @@ from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import at_limit, Fit, fit, limited
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.measure.threads import each
 import numpy as np

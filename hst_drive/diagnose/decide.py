@@ -20,11 +20,12 @@ from hst_drive.diagnose.unlisted import Unlisted, unlisted_beside, unlisted_inst
 from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
-from hst_drive.identify.campaign import Campaign, ELSEWHERE, Model
+from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import outside
 from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
+from hst_drive.identify.model import Model
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search

@@ -11,10 +11,11 @@ from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unknown import Carried, worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import excess, parts, PRACTICAL
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_unlisted
 import numpy as np

@@ -12,7 +12,7 @@ from hst_drive.design.trials import limits, LONGEST
 from hst_drive.diagnose.result import require_schema, UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
+from hst_drive.identify.model import Model
 from hst_drive.rig import Rig
 
 _MOST = 7       # explanations that a diagnosis left

@@ -16,10 +16,11 @@ from hst_drive.diagnose.dependence import (
 from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import gain, judged, parts, PRACTICAL, unexplained
+from hst_drive.identify.model import Model
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
 

@@ -19,8 +19,9 @@ from hst_drive.diagnose.free_forms import (
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.model import Model
 from hst_drive.identify.phases import once_a_turn
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without

@@ -16,9 +16,10 @@ from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.effects.slots import LEAKS
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, Spread, spread
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig

@@ -3,9 +3,10 @@
 """The fit of the unit alone, as deep as it goes."""
 from __future__ import annotations
 
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import cost_of, Fit, fit
 from hst_drive.identify.judge import excess
+from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 import numpy as np
 

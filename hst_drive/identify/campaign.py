@@ -3,15 +3,13 @@
 """
 Several recordings of one drive as one fitting problem.
 
-A ``Model`` is the set of effects that are on, with their parameters, and the factors by which
-this unit differs from its datasheet. A ``Campaign`` turns a model into normalised errors: one
-column per signal and log, model minus measurement over the floor that a perfect model would
-show.
+A ``Campaign`` turns a ``Model`` into normalised errors: one column per signal and log, model minus
+measurement over the floor that a perfect model would show.
 """
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Callable, Sequence
 
@@ -20,6 +18,7 @@ from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
+from hst_drive.identify.model import Model
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.oscillation import means_where
 from hst_drive.measure.replay import Replay
@@ -35,38 +34,6 @@ SETTLE = 0.3            # s left out at the start of a log: the first state is n
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
 ELSEWHERE = 'has no place in this circuit'
-
-
-@dataclass(frozen=True)
-class Model:
-    """
-    Effects that are on and how this unit is off its datasheet.
-
-    Attributes
-    ----------
-    effects : dict of str to dict of str to float
-        Id to parameters, SI.
-    factors : dict of str to float
-        Natural logarithm of the factor on each quantity of ``rig.tolerances``.
-
-    """
-
-    effects: dict[str, dict[str, float]] = field(default_factory=dict)
-    factors: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def scales(self) -> dict[str, float]:
-        """Factor on each quantity."""
-        return {key: float(np.exp(value)) for key, value in self.factors.items()}
-
-    def with_effect(self, name: str, values: dict[str, float]) -> Model:
-        """Return a model with one effect more, or with other parameters for it."""
-        return replace(self, effects={**self.effects, name: dict(values)})
-
-    def without(self, name: str) -> Model:
-        """Return a model with one effect less."""
-        return replace(self, effects={key: value for key, value in self.effects.items()
-                                      if key != name})
 
 
 class Campaign:

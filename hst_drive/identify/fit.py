@@ -13,8 +13,9 @@ from types import MappingProxyType
 from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.linearised import Linearised
+from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.measure.threads import each
 import numpy as np

@@ -8,8 +8,8 @@ from typing import Sequence
 from hst_drive.channels import CHANNELS, TORQUES
 from hst_drive.effects import catalogue, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
-from hst_drive.identify.campaign import (
-    BLOCK, Campaign, ELSEWHERE, Model, SETTLE)
+from hst_drive.identify.campaign import BLOCK, Campaign, ELSEWHERE, SETTLE
+from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
 from hst_drive.measure.balances import is_part, lacking, untold
 from hst_drive.measure.circuit_balances import balances_of

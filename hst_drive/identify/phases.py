@@ -11,8 +11,9 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.effects import catalogue
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
+from hst_drive.identify.model import Model
 from hst_drive.measure.turns import into_step, SLOW, swinging
 import numpy as np
 from scipy.ndimage import gaussian_filter1d

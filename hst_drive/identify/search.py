@@ -13,11 +13,12 @@ from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of, flexible
 from hst_drive.identify.calibrate import calibrated
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import ended, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, Gain, gain, matters, parts, shown, unexplained)
+from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import settled, shapes_of

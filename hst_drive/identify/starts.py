@@ -6,9 +6,10 @@ from __future__ import annotations
 from typing import Iterator, Mapping, Sequence
 
 from hst_drive.effects import effect_of
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
 from hst_drive.identify.linearised import Linearised
+from hst_drive.identify.model import Model
 from hst_drive.identify.phases import strongest_orders
 import numpy as np
 

@@ -13,7 +13,7 @@ from typing import Any, Callable, NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.identify.campaign import Campaign
-from hst_drive.model.part import follow
+from hst_drive.model.lags import follow
 from hst_drive.rig.rig import Pump
 import numpy as np
 

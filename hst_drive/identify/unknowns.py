@@ -6,7 +6,8 @@ from __future__ import annotations
 from typing import Collection, Sequence
 
 from hst_drive.effects.formula import FORMULAS
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.model import Model
 import numpy as np
 
 SIGMAS = 3.0    # tolerances within which the unit's factors are held

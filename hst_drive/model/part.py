@@ -21,7 +21,7 @@ from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
-from hst_drive.model.kernel_template import played
+from hst_drive.model.lags import behind_play, follow
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
 import numpy as np
@@ -208,7 +208,7 @@ class PartModel:
                 'pump_play_softness', 'pump_play_spread'))
             rests = command[0] if 'rests_at' not in known else float(pump.command_of(
                 known['rests_at'] / self.factor('pump.displacement_vs_command')))
-            command = np.mean([_play(command, 0.5 * play * (1.0 + side), softness, rests)
+            command = np.mean([behind_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self._yielding(command, known)
         lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
@@ -298,47 +298,3 @@ def _direction(known: Known) -> Any:
     speed = known['motor_speed']
     creeping = known.get('creeping', _STEEP * CONSTANTS['SIGN_WIDTH'])
     return np.tanh(_STEEP * speed / creeping) if creeping else np.sign(speed)
-
-
-def _play(command: np.ndarray, half: float, softness: float, start: float) -> np.ndarray:
-    """Return a command behind a play of twice ``half``; it starts as near as that lets it."""
-    behind, last = np.empty(len(command)), command[0]
-    inside = min(max(start, last - half), last + half)
-    for k, value in enumerate(command):
-        inside = played(inside, last, value, half, softness)
-        behind[k], last = inside, value
-    return behind
-
-
-def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
-           back_rate: float = math.inf, back_lag: float | None = None) -> np.ndarray:
-    """
-    Return what follows a target with a first-order lag, its speed limited.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    target : ndarray, shape (n,)
-        Any unit; held between samples.
-    lag, back_lag : float
-        s, upwards and downwards; by default the same.
-    rate, back_rate : float
-        Most that it rises and falls, units of the target per second.
-
-    """
-    out, value = np.empty(len(time)), target[0]
-    steps = np.append(np.diff(time), 0.0)
-    up, down = (-np.expm1(-steps / entry) for entry in (
-        lag, lag if back_lag is None else back_lag))
-    if rate == back_rate == math.inf and back_lag in (None, lag) and len(time) > 1:
-        from scipy.linalg import solve_banded     # late: nodes start without it
-
-        # Linear: each row from the one before, as a system of equations.
-        known = np.append(target[:1], up[:-1] * target[:-1])
-        return solve_banded((1, 0), [np.ones(len(time)), up - 1.0], known, check_finite=False)
-    for k, goal in enumerate(target):
-        out[k] = value
-        move = (goal - value) * (up[k] if goal > value else down[k])
-        value += min(max(move, -back_rate * steps[k]), rate * steps[k]) if move else 0.0
-    return out

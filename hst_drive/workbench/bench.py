@@ -15,8 +15,8 @@ from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
 from hst_drive.identify.fit import fit
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
 from hst_drive.measure.compare import compare, LogComparison, model_of

@@ -18,7 +18,7 @@ from hst_drive.design.trials import (
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.next_test import of_diagnosis
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
+from hst_drive.identify.model import Model
 from hst_drive.load import load_scenario
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario

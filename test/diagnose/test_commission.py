@@ -13,9 +13,9 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.effects.oil import viscosity
 from hst_drive.errors import InputError
-from hst_drive.identify.campaign import Model
 from hst_drive.identify.conditions import prior
 from hst_drive.identify.fit import fit
+from hst_drive.identify.model import Model
 from hst_drive.report.diagnosis import text
 from hst_drive.rig import parse_rig
 import numpy as np

@@ -7,8 +7,9 @@ from hst_drive import cli
 from hst_drive.diagnose.unknown import describe
 from hst_drive.effects import catalogue, formula
 from hst_drive.effects.base import arguments
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
+from hst_drive.identify.model import Model
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig, load_rig
 import numpy as np

@@ -6,8 +6,9 @@ import re
 from bench.campaigns import as_runs
 from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
 from hst_drive.effects.formula import FLOW
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Search
 import pytest
 

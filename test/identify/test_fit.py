@@ -4,9 +4,9 @@
 from types import SimpleNamespace
 
 from hst_drive.effects import catalogue
-from hst_drive.identify.campaign import Model
 from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.intervals import intervals
+from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 import numpy as np
 import pytest

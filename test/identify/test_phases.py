@@ -5,7 +5,8 @@ from dataclasses import replace
 
 from bench.campaigns import as_runs
 from hst_drive.diagnose.unlisted import unlisted_beside
-from hst_drive.identify.campaign import Campaign, Model
+from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.search import Search

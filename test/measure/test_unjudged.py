@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from bench.campaigns import as_runs
-from hst_drive.identify.campaign import Model
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.measure.compare import compare
 from hst_drive.measure.run import Run

@@ -1,0 +1,40 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What is fitted: the effects that are on, and how this unit is off its datasheet."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Model:
+    """
+    Effects that are on and how this unit is off its datasheet.
+
+    Attributes
+    ----------
+    effects : dict of str to dict of str to float
+        Id to parameters, SI.
+    factors : dict of str to float
+        Natural logarithm of the factor on each quantity of ``rig.tolerances``.
+
+    """
+
+    effects: dict[str, dict[str, float]] = field(default_factory=dict)
+    factors: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """Factor on each quantity."""
+        return {key: float(np.exp(value)) for key, value in self.factors.items()}
+
+    def with_effect(self, name: str, values: dict[str, float]) -> Model:
+        """Return a model with one effect more, or with other parameters for it."""
+        return replace(self, effects={**self.effects, name: dict(values)})
+
+    def without(self, name: str) -> Model:
+        """Return a model with one effect less."""
+        return replace(self, effects={key: value for key, value in self.effects.items()
+                                      if key != name})
