@@ -212,9 +212,9 @@ def repeatability(campaign: Campaign, fitted: Fit) -> float:
         slope = jacobian[rows].T @ residual[rows]
         curvature = jacobian[rows].T @ jacobian[rows]
         noise = np.eye(count) + squared_slopes(jacobian[rows], residual[rows], blocks[rows])
-        for place, share in enumerate(_SHARES):
+        for index, share in enumerate(_SHARES):
             spreads = noise + share**2 * curvature @ curvature
-            chance[place] -= 0.5 * (np.linalg.slogdet(spreads)[1]
+            chance[index] -= 0.5 * (np.linalg.slogdet(spreads)[1]
                                     + slope @ np.linalg.solve(spreads, slope))
     logs = len(campaign.replays)
     return float(_SHARES[np.argmax(chance)]) * float(np.sqrt(logs / (logs - 1.0)))

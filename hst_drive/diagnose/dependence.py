@@ -7,7 +7,7 @@ from itertools import combinations_with_replacement
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.channels import CHANNELS, COMMANDS
-from hst_drive.diagnose.isolate import Entry, smooth
+from hst_drive.diagnose.isolate import Location, smooth
 from hst_drive.effects.formula import (
     FLOW, PRESSURE, REFERENCE, SPEED, TERMS, TEXTS, TORQUE, WARMTH, written)
 from hst_drive.identify.campaign import Campaign
@@ -47,11 +47,11 @@ class Samples(NamedTuple):
     block: np.ndarray
 
 
-def samples(campaign: Campaign, model: Fit, place: Entry, sizes: Sequence[np.ndarray],
+def samples(campaign: Campaign, model: Fit, location: Location, sizes: Sequence[np.ndarray],
             used: Sequence[np.ndarray]) -> Samples:
     """Gather the samples of all logs, thinned."""
     logs = [_variables(campaign, model, index) for index in range(len(campaign.replays))]
-    names = [name for name in place.reads if all(name in entry for entry in logs)
+    names = [name for name in location.reads if all(name in entry for entry in logs)
              and not (name == 'oil_temperature' and np.ptp(np.concatenate(
                  [entry[name] for entry in logs])) < WARMED_UP / WARMTH)]
     values, columns, blocks = [], {name: [] for name in names}, []
@@ -207,11 +207,11 @@ def regress(data: Samples, wanted: Callable[[str], bool]) -> tuple[list[dict], f
     return terms, 1 - error / whole
 
 
-def expression(place: Entry, terms: Sequence[dict]) -> str:
+def expression(location: Location, terms: Sequence[dict]) -> str:
     """Return the formula as text."""
     if not terms:
-        return f'{place.name} [{place.unit}]: no short formula holds on held-out data'
-    return written(f'{place.name} [{place.unit}]', [
+        return f'{location.name} [{location.unit}]: no short formula holds on held-out data'
+    return written(f'{location.name} [{location.unit}]', [
         (term['coefficient'], [_text(name) for name in term['variables']]) for term in terms])
 
 

@@ -107,6 +107,6 @@ def told_as(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknow
     own = trial.fit.model.effects[formula]
     return trial.unknown._replace(
         expression=written(trial.unknown.expression, [
-            (own[f'coefficient_{place}'], [TEXTS[variable] for variable in term])
-            for place, term in enumerate(terms, 1)]),
+            (own[f'coefficient_{index}'], [TEXTS[variable] for variable in term])
+            for index, term in enumerate(terms, 1)]),
         formula=worth(campaign, bare(), Carried(formula, trial.fit)))

@@ -35,9 +35,9 @@ _PUMP = (*PRESSURES[::-1], 'pump_command', 'oil_temperature', 'pump_command_rate
          'pump_command_history', 'pump_speed')
 
 
-class Entry(NamedTuple):
+class Location(NamedTuple):
     """
-    A place where an unknown may enter.
+    Where an unknown may enter.
 
     ``moves`` maps signals to how far they move per unit of the unknown, SI; ``reads`` are the
     variables that it may depend on, ``formula`` the effect that can carry it (or ''), ``balance``
@@ -55,8 +55,8 @@ class Entry(NamedTuple):
     sign: float = 1.0
 
 
-def entries(campaign: Campaign) -> list[Entry]:
-    """Return the places that the channels can tell apart."""
+def locations(campaign: Campaign) -> list[Location]:
+    """Return the locations that the channels can tell apart."""
     rig = campaign.rig
     if campaign.by_balance:
         return _parts(campaign)
@@ -65,42 +65,42 @@ def entries(campaign: Campaign) -> list[Entry]:
     torque, displacement = 'load_torque', rig.motor.displacement
     outlet = 'motor_outlet_pressure'
     found = [
-        Entry('oil delivered by the pump', 'flow', flow, 'm^3/s',
-              {flow: 1.0, speed: 1.0 / displacement}, _PUMP, 'formula_pump_flow', 'pump flow'),
-        Entry('oil that turns the hydromotor', 'flow', speed, 'm^3/s',
-              {speed: 1.0 / displacement}, _TORQUE, 'formula_motor_flow', 'hydromotor speed',
-              displacement),
-        Entry('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE),
-              'formula_flow_reading'),
-        Entry('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
-              _TORQUE, 'formula_torque', 'hydromotor torque'),
-        Entry('return line', 'torque', outlet, 'Pa', {outlet: 1.0, pressure: 1.0}, _TORQUE),
-        Entry('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
-        Entry('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
-              ('load_torque', *_TORQUE)),
+        Location('oil delivered by the pump', 'flow', flow, 'm^3/s',
+                 {flow: 1.0, speed: 1.0 / displacement}, _PUMP, 'formula_pump_flow', 'pump flow'),
+        Location('oil that turns the hydromotor', 'flow', speed, 'm^3/s',
+                 {speed: 1.0 / displacement}, _TORQUE, 'formula_motor_flow', 'hydromotor speed',
+                 displacement),
+        Location('flow reading', 'sensor', flow, 'm^3/s', {flow: 1.0}, (flow, *_TORQUE),
+                 'formula_flow_reading'),
+        Location('torque of the hydromotor', 'torque', pressure, 'N.m', {pressure: -per_torque},
+                 _TORQUE, 'formula_torque', 'hydromotor torque'),
+        Location('return line', 'torque', outlet, 'Pa', {outlet: 1.0, pressure: 1.0}, _TORQUE),
+        Location('load torque', 'load', torque, 'N.m', {torque: 1.0}, _LOAD, 'formula_load'),
+        Location('torque reading', 'sensor', torque, 'N.m', {torque: -1.0, pressure: per_torque},
+                 ('load_torque', *_TORQUE)),
     ]
     have = set(campaign.signals)
-    kept: list[Entry] = []
-    for place in found:
-        moves = {name: move for name, move in place.moves.items() if name in have}
-        # Without its partner signal a sensor's place is the same as the physical one.
-        if moves and not (place.enters == 'sensor' and len(moves) < len(place.moves)):
+    kept: list[Location] = []
+    for location in found:
+        moves = {name: move for name, move in location.moves.items() if name in have}
+        # Without its partner signal a sensor's location is that of the physical one.
+        if moves and not (location.enters == 'sensor' and len(moves) < len(location.moves)):
             if not any(set(other.moves) == set(moves) and len(moves) == 1 and
-                       other.enters == place.enters for other in kept):
-                kept.append(place._replace(moves=moves, signal=next(iter(moves))))
+                       other.enters == location.enters for other in kept):
+                kept.append(location._replace(moves=moves, signal=next(iter(moves))))
     return kept
 
 
-def _parts(campaign: Campaign) -> list[Entry]:
-    """Return one place per balance of the logs of a part."""
+def _parts(campaign: Campaign) -> list[Location]:
+    """Return one location per balance of the logs of a part."""
     displacement = campaign.drive.motor_displacement
     found = {}
     for replay in campaign.replays:
         for signal, entry in replay.balances.items():
             reads = _read(entry, isinstance(replay, CircuitReplay))
             sign = entry.sign * (displacement if entry.swept else 1.0)
-            found[signal] = Entry(entry.place, entry.enters, signal, entry.unit,
-                                  {signal: 1.0 / sign}, reads, entry.formula, entry.name, sign)
+            found[signal] = Location(entry.place, entry.enters, signal, entry.unit,
+                                     {signal: 1.0 / sign}, reads, entry.formula, entry.name, sign)
     return list(found.values())
 
 
@@ -149,37 +149,38 @@ def only_read(campaign: Campaign, model: Fit, moves: Container[str]) -> bool:
     return all(value <= _QUIET for name, value in ratios.items() if name not in moves)
 
 
-def locate(campaign: Campaign, model: Fit) -> Entry | None:
-    """Return the place whose direction holds most of the error; None if there is none."""
+def locate(campaign: Campaign, model: Fit) -> Location | None:
+    """Return the location whose direction holds most of the error; None if there is none."""
     errors = smooth_errors(campaign, model)
     best, most = None, 0.0
     kinds = [campaign.ratios(model.errors, held_out) for held_out in (True, False)]
     # Not where all that it moves is down to the noise while other signals are not.
     open_ = {name for name in {**kinds[0], **kinds[1]}
              if max(kind.get(name, 0.0) for kind in kinds) > AT_NOISE}
-    for place in entries(campaign):
-        if open_ and not open_ & set(place.moves):
+    for location in locations(campaign):
+        moved = set(location.moves)
+        if open_ and not open_ & moved:
             continue
-        if place.enters == 'sensor' and not (only_read(campaign, model, place.moves)
-                                             and set(place.moves) <= (open_ or {*kinds[0]})):
+        if location.enters == 'sensor' and not (only_read(campaign, model, moved)
+                                                and moved <= (open_ or {*kinds[0]})):
             continue
         held = 0.0
         for index, log in enumerate(errors):
-            size, weight = _project(campaign, index, log, place)
+            size, weight = _project(campaign, index, log, location)
             held += float(size @ size) * weight
-        # One more signal always holds more noise: a place must earn it.
-        held *= 1.0 if len(place.moves) == 1 else 0.98
+        # One more signal always holds more noise: a location must earn it.
+        held *= 1.0 if len(moved) == 1 else 0.98
         if held > most:
-            best, most = place, held
+            best, most = location, held
     return best
 
 
 def _project(campaign: Campaign, index: int, errors: dict[str, np.ndarray],
-             place: Entry) -> tuple[np.ndarray, float]:
+             location: Location) -> tuple[np.ndarray, float]:
     """Return the size of the unknown over one log, and the weight of its square."""
     top: np.ndarray | float = 0.0
     bottom = 0.0
-    for name, move in place.moves.items():
+    for name, move in location.moves.items():
         if name in errors:
             scaled = move / campaign.floors[index][name]
             top = top - scaled * errors[name]
@@ -188,24 +189,24 @@ def _project(campaign: Campaign, index: int, errors: dict[str, np.ndarray],
 
 
 def sizes(campaign: Campaign, model: Fit,
-          place: Entry) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return the unknown over time in the place's unit, and which samples count, log by log."""
+          location: Location) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return the unknown over time in the location's unit, and which samples count, log by log."""
     errors = smooth_errors(campaign, model)
     values, counts = [], []
     for index in range(len(campaign.replays)):
-        found = None if campaign.by_balance else _from_balance(
-            campaign, model, place, index)
+        found = None if campaign.by_balance else _from_balance(campaign, model, location, index)
         if found is None:
-            found = _project(campaign, index, errors[index], place)[0]
-        used = _used(campaign, index, place.signal) & np.isfinite(found)
+            found = _project(campaign, index, errors[index], location)[0]
+        used = _used(campaign, index, location.signal) & np.isfinite(found)
         values.append(smooth(campaign, index, np.where(used, found, 0.0)))
         counts.append(used)
     return values, counts
 
 
-def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> np.ndarray | None:
-    """Return the error of the place's own balance; None if the log does not close it."""
-    if not place.balance:
+def _from_balance(campaign: Campaign, model: Fit, location: Location,
+                  index: int) -> np.ndarray | None:
+    """Return the error of the location's own balance; None if the log does not close it."""
+    if not location.balance:
         return None
     part = PartModel(campaign.rig, model.model.effects, model.model.scales)
     try:
@@ -213,10 +214,10 @@ def _from_balance(campaign: Campaign, model: Fit, place: Entry, index: int) -> n
     except InputError:
         return None
     signal = next((name for name, balance in replay.balances.items()
-                   if balance.name == place.balance), None)
+                   if balance.name == location.balance), None)
     if signal is None or replay.static:
         return None
     own = campaign.replays[index].inputs.get('motor_angle')
     if own is not None and 'motor_angle' in replay.inputs:
         replay.turn(float(own[0] - replay.inputs['motor_angle'][0]))
-    return place.sign * (replay.run[signal] - replay.predict(part)[signal])
+    return location.sign * (replay.run[signal] - replay.predict(part)[signal])

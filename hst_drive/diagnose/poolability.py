@@ -25,13 +25,13 @@ def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
     if len(campaign.replays) < _FEWEST:
         return None
     for log in range(len(campaign.replays)):
-        others = campaign.of_logs(lambda place: place != log)
+        others = campaign.of_logs(lambda index: index != log)
         if not any(len(column.fit) for column in others.columns):
             continue
         unit = calibrated(others)
         if _left(others, unit):
             continue
-        alone = campaign.of_logs(lambda place: place == log, all_to_fit=True)
+        alone = campaign.of_logs(lambda index: index == log, all_to_fit=True)
         for freer in misreadings(campaign):
             start = faint(unit.model, freer)
             if not _left(alone, fit(alone, start, iterations=PATIENT)):
@@ -41,7 +41,7 @@ def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
 
 def several_drives(campaign: Campaign) -> bool:
     """Say whether each recording alone is explained, though not all are by one unit."""
-    alone = (campaign.of_logs(lambda place, log=log: place == log, all_to_fit=True)
+    alone = (campaign.of_logs(lambda index, log=log: index == log, all_to_fit=True)
              for log in range(len(campaign.replays)))
     return len(campaign.replays) > 1 and not any(_left(each, calibrated(each)) for each in alone)
 

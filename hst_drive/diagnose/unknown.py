@@ -3,7 +3,7 @@
 """
 When no listed effect explains the data: where the error enters, on what it depends, a formula.
 
-The place and the size over time come from ``isolate``, the dependence and the terms from
+The location and the size over time come from ``isolate``, the dependence and the terms from
 ``dependence``. Terms of what the drive knows at every instant are then put into the model as an
 effect and fitted anew: what that gains on held-out data is what the formula is worth.
 """
@@ -13,7 +13,7 @@ from typing import NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, samples, STATIC)
-from hst_drive.diagnose.isolate import Entry, locate, only_read, sizes
+from hst_drive.diagnose.isolate import locate, Location, only_read, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
@@ -56,34 +56,35 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     """
     left = sure or any(unexplained(campaign, model, {}, part) for part in parts(campaign))
     campaign, model = judged(campaign, model)
-    place = locate(campaign, model) if left else None
-    if place is None:
+    location = locate(campaign, model) if left else None
+    if location is None:
         return None
-    found, used = sizes(campaign, model, place)
+    found, used = sizes(campaign, model, location)
     campaign = once_a_turn(campaign, model, found)
-    data = samples(campaign, model, place, found, used)
+    data = samples(campaign, model, location, found, used)
     if data.held_out.all() or not data.held_out.any():
-        return Unknown(place.enters, place.signal, (), '')      # too few to tell on what it hangs
+        # Too few to tell on what it hangs.
+        return Unknown(location.enters, location.signal, (), '')
     depends = depends_on(data)
     terms, explained = regress(data, lambda name: True)
     static = terms
     if any(name not in STATIC for term in terms for name in term['variables']):
         static = regress(data, STATIC.__contains__)[0]
-    carried = _carry(campaign, model, place.formula, static, 1.0) if place.formula else None
-    if carried and place.formula == 'formula_torque' and not campaign.by_balance and only_read(
-            campaign, model, place.moves):
-        per_torque = -place.moves[place.signal]
+    carried = _carry(campaign, model, location.formula, static, 1.0) if location.formula else None
+    if carried and location.formula == 'formula_torque' and not campaign.by_balance and only_read(
+            campaign, model, location.moves):
+        per_torque = -location.moves[location.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
         if reading and score(campaign, reading.fit) < min(
                 score(campaign, carried.fit), _AT_NOISE * _noise(campaign)):
             # The same error with the leakage unmoved: the reading is off, not the torque. Then
             # nothing else may be left: what moves with it is no error of a sensor.
             carried = reading
-            place, terms = _reading(place, terms, per_torque)
-    enters = place.enters
-    if place.formula == 'formula_pump_flow' and _by_command(depends, terms):
+            location, terms = _reading(location, terms, per_torque)
+    enters = location.enters
+    if location.formula == 'formula_pump_flow' and _by_command(depends, terms):
         enters = 'pump_actuator'
-    return Unknown(enters, place.signal, depends, expression(place, terms), tuple(terms),
+    return Unknown(enters, location.signal, depends, expression(location, terms), tuple(terms),
                    explained, worth(campaign, model, carried) if carried else None)
 
 
@@ -105,11 +106,12 @@ def _by_command(depends: Sequence[str], terms: Sequence[dict]) -> bool:
     return moving or tuple(depends) == ('pump_command',)
 
 
-def _reading(place: Entry, terms: Sequence[dict], factor: float) -> tuple[Entry, list[dict]]:
-    """Return the place and the terms of a pressure reading instead of a torque."""
+def _reading(location: Location, terms: Sequence[dict],
+             factor: float) -> tuple[Location, list[dict]]:
+    """Return the location and the terms of a pressure reading instead of a torque."""
     scaled = [{**term, 'coefficient': -term['coefficient'] * factor,
                'low': -term['high'] * factor, 'high': -term['low'] * factor} for term in terms]
-    return place._replace(name='pressure reading', enters='sensor', unit='Pa'), scaled
+    return location._replace(name='pressure reading', enters='sensor', unit='Pa'), scaled
 
 
 def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],

@@ -39,8 +39,8 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     found = [entry for entry in found if not at_ends(
         search.campaign, entry.fit.model, _new(entry, others))]
     odds = log_odds(search, [best, *found])[1:]
-    return tuple(_new(found[place], others) for place in np.argsort(-odds)
-                 if odds[place] >= -CREDIBLE)
+    return tuple(_new(found[index], others) for index in np.argsort(-odds)
+                 if odds[index] >= -CREDIBLE)
 
 
 def _new(rival: Candidate, others: Sequence[str]) -> str:

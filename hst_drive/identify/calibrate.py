@@ -47,14 +47,14 @@ def _deepest(campaign: Campaign, plain: Fit) -> Fit:
     if not len(vector):
         return plain
 
-    def at(place: int, end: float) -> tuple[float, Model]:
+    def at(index: int, end: float) -> tuple[float, Model]:
         moved = vector.copy()
-        moved[place] = _END * end
+        moved[index] = _END * end
         model = unknowns.unpack(moved)
         errors = campaign.errors(model, to_fit=True)
         return cost_of(unknowns, moved, campaign.training(errors)), model
 
-    cost, start = min((at(place, end) for place in range(len(vector)) for end in (-1.0, 1.0)),
+    cost, start = min((at(index, end) for index in range(len(vector)) for end in (-1.0, 1.0)),
                       key=lambda item: item[0])
     if cost >= plain.cost:
         return plain

@@ -259,10 +259,10 @@ class Campaign:
                  if (fit or not to_fit) and not (fit and known) else None
                  for replay, fit in zip(self.replays, fitted)]
         errors = []
-        for place, column in enumerate(self.columns):
+        for index, column in enumerate(self.columns):
             measured = self.replays[column.log].run[column.signal]
             if given[column.log] is None:
-                errors.append(known[place] if known else np.zeros(len(measured)))
+                errors.append(known[index] if known else np.zeros(len(measured)))
                 continue
             error = (given[column.log][column.signal] - measured) * column.scale
             # A model that left all bounds must lose, not stop the search.

@@ -167,7 +167,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     formed, here, damping = not own, False, 1e-6
     own = own or everything
     linear = linearised() if formed else None
-    for place in range(iterations if everything else 0):
+    for done in range(iterations if everything else 0):
         if not formed:
             jacobian[:, own] = differences(campaign, unknowns, vector, errors, own, errors_at)
             formed = here = True
@@ -192,7 +192,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         jacobian += np.outer(move / (move @ move), surprise).T
         vector, errors, residual, cost = reached, trial_errors, moved, trial_cost
         # A first step along a bend gains little; where time is taken the next one may gain more.
-        if trusted and gain < 1e-3 * cost + 0.5 and (place or not refresh):
+        if trusted and gain < 1e-3 * cost + 0.5 and (done or not refresh):
             break
         linear = linearised()
         more = linear.cost - linear.after(_step(linear, unknowns, vector, 1e-6))
@@ -272,12 +272,12 @@ def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:
 def at_ends(campaign: Campaign, model: Model, name: str) -> list[str]:
     """Return the parameters of an effect at an end of what is plausible on a machine."""
     found = []
-    for place, declared in enumerate(effect_of(name).parameters):
+    for index, declared in enumerate(effect_of(name).parameters):
         entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
         # None of something, what formulas usually have, the ends of a bare number that shapes an
         # effect and may be other forms of it, and all of a share are as plausible as the rest.
-        form = place > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
+        form = index > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
         ends = [end for end in ends if end not in (0.0, entry.neutral, *entry.usual)]
         if not entry.fixed and not form and any(abs(value - end) <= _AT_END * abs(end)
                                                 for end in ends):

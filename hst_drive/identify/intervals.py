@@ -76,10 +76,10 @@ def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
            vector: np.ndarray) -> np.ndarray:
     """Return the Jacobian with the columns of what the fit kept as it was."""
     known = fitted.columns
-    kept = [place for place, name in enumerate(unknowns.names) if name not in known]
+    kept = [index for index, name in enumerate(unknowns.names) if name not in known]
     added = differences(campaign, unknowns, vector, fitted.errors, kept,
                         lambda moved: campaign.errors(unknowns.unpack(moved), to_fit=True))
-    known.update(zip((unknowns.names[place] for place in kept), added.T))
+    known.update(zip((unknowns.names[index] for index in kept), added.T))
     return np.column_stack([known[name] for name in unknowns.names])
 
 

@@ -82,8 +82,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])
         asked = campaign.odds_asked + (0.0 if name in campaign.adopted else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
-        smallest = abs(size.typical) * _crossing(lambda place: _named(
-            *odds(place), asked, campaign.own_past))
+        smallest = abs(size.typical) * _crossing(lambda log_share: _named(
+            *odds(log_share), asked, campaign.own_past))
         reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
         found.append(Visibility(name, smallest, reason, not reason or odds(
@@ -134,8 +134,8 @@ class _Shows:
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
                  for name, signal in self._signals(move).items()}
 
-        def odds(place: float) -> tuple[float, float, float]:
-            share = np.exp(place)
+        def odds(log_share: float) -> tuple[float, float, float]:
+            share = np.exp(log_share)
             taken = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
                 len(target)) else target
             left = {name: Signal(tuple(share * own + np.tensordot(taken, known, 1)

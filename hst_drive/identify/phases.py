@@ -96,12 +96,12 @@ def strongest_orders(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[i
         speed = np.abs(np.gradient(angle, replay.run.time)[column.fit])
         turn = np.exp(-1j * angle[column.fit])
         wave = turn**LOWEST
-        for place, order in enumerate(orders):
+        for index, order in enumerate(orders):
             seen = order * speed < 2.0 * np.pi * _SEEN / step
             if not seen.any():
                 break
-            power[place] += abs(np.sum(swing[seen] * wave[seen]))**2 / len(column.fit)
+            power[index] += abs(np.sum(swing[seen] * wave[seen]))**2 / len(column.fit)
             wave *= turn
     strongest = np.argsort(-power)[:2]
-    return [int(orders[place]) for place in strongest
-            if power[place] > _AS_STRONG * power.max()]
+    return [int(orders[index]) for index in strongest
+            if power[index] > _AS_STRONG * power.max()]

@@ -153,9 +153,9 @@ class Search:
     def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
         """Return the log odds of candidates against another; -inf with an effect at its end."""
         found = np.full(len(after), -np.inf)
-        held = [place for place, entry in enumerate(after)
+        held = [index for index, entry in enumerate(after)
                 if not ended(self.campaign, entry.fit.model, entry.names)]
-        found[held] = log_odds(self, [before, *(after[place] for place in held)])[1:]
+        found[held] = log_odds(self, [before, *(after[index] for index in held)])[1:]
         return found
 
     def asked(self, before: Candidate, after: Candidate) -> bool:
@@ -245,7 +245,7 @@ class Search:
         candidate = self.whole(candidate)
         likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
         found = self.try_all([((*candidate.names, name), candidate.fit)
-                              for hope, name in likely if hope >= least],
+                              for share, name in likely if share >= least],
                              f'fitting {len(candidate.names) + 1} effects together')
         return sorted(found, key=lambda item: item.score)
 
@@ -294,7 +294,7 @@ class Search:
         """Return the most probable candidates, and the log odds of each against ``best``."""
         odds = self.odds(best, level)
         order = np.argsort(-odds)[:_BEAM]
-        return [level[place] for place in order], odds[order]
+        return [level[index] for index in order], odds[order]
 
 
 def _without_adopted(campaign: Campaign, base: Fit) -> Fit:

@@ -91,10 +91,10 @@ def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
 
     residual = campaign.training(campaign.errors(base, to_fit=True))
     known = around(residual)
-    for place, model in enumerate((*free, *fitted)):
+    for index, model in enumerate((*free, *fitted)):
         moved = campaign.training(campaign.errors(model, to_fit=True))
         far = model.effects[name][size.name] - off
-        if place >= len(free) or not far:
+        if index >= len(free) or not far:
             yield around(moved).least(), model
             continue
         low, high = sorted((end - off) / far for end in (size.low, size.high))
@@ -123,5 +123,5 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
 
     bare, without = [Model(model.effects) for model in models], left(Model(base.effects))
     off = [left(model) for model in bare]
-    return [fit(load, bare[place], iterations=_STEPS).model for place in np.argsort(off)[:_NEAR]
-            if off[place] < without]
+    return [fit(load, bare[index], iterations=_STEPS).model for index in np.argsort(off)[:_NEAR]
+            if off[index] < without]

@@ -59,22 +59,22 @@ class Means:
         names = self.campaign.signals
         parts: dict[str, dict[int, list[np.ndarray]]] = {name: {} for name in names}
         powers: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
-        for place, bins in self._pieces:
-            name = self.campaign.columns[place].signal
-            parts[name].setdefault(len(bins), []).append(left[place][bins])
-            powers[name].append(moved[place][bins]**2)
+        for index, bins in self._pieces:
+            name = self.campaign.columns[index].signal
+            parts[name].setdefault(len(bins), []).append(left[index][bins])
+            powers[name].append(moved[index][bins]**2)
         return {name: Signal(tuple(map(np.array, lengths.values())),
                              float(np.sqrt(np.mean(np.concatenate(powers[name])))))
                 for name, lengths in parts.items() if lengths}
 
     def _cut(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield stretches without a gap: place of a column, and which of its means."""
+        """Yield stretches without a gap: index of a column, and which of its means."""
         most = round(PIECE / BIN)
-        for place, (_, number, _) in enumerate(self._bins):
+        for index, (_, number, _) in enumerate(self._bins):
             full = np.unique(number)
             for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):
                 for start in range(0, len(stretch), most):
-                    yield place, stretch[start:start + most]
+                    yield index, stretch[start:start + most]
 
 
 def weigh(search: Search, best: Candidate) -> Probability:
@@ -176,19 +176,19 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
 
 def _penalty(campaign: Campaign, fitted: Fit) -> float:
     unknowns = Unknowns(campaign, fitted.model)
-    known = {name: place for place, name in enumerate(unknowns.names)}
-    place = np.array([known[name] for name in fitted.names], dtype=int)
+    known = {name: index for index, name in enumerate(unknowns.names)}
+    index = np.array([known[name] for name in fitted.names], dtype=int)
     information = weight(len(campaign.signals)) * fitted.information
-    mode, scale = unknowns.pack(fitted.model)[place], unknowns.scale[place]
-    ranges, neutral = (unknowns.high - unknowns.low)[place], np.full(len(mode), np.nan)
+    mode, scale = unknowns.pack(fitted.model)[index], unknowns.scale[index]
+    ranges, neutral = (unknowns.high - unknowns.low)[index], np.full(len(mode), np.nan)
     for k, (name, key) in enumerate(fitted.names):
         if not name:
             continue
         off = campaign.off(name)
         if key == next(iter(off)):
             ranges[k] = range_of(mode[k] - off[key] / scale[k],
-                                 bool(unknowns.low[place[k]] < off[key] / scale[k]))
+                                 bool(unknowns.low[index[k]] < off[key] / scale[k]))
         else:
             # What an effect is besides its size may be there or not.
             neutral[k] = off[key] / scale[k]
-    return laplace(information, place < unknowns.factors, ranges, mode, neutral)
+    return laplace(information, index < unknowns.factors, ranges, mode, neutral)

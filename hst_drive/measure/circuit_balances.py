@@ -130,13 +130,13 @@ def _by_parts(balance: Balance, model: CircuitModel, known: Known, channels: Kno
         # A state that is measured, too: what it would do by itself.
         found = known['without'](balance.signal)
     chosen = np.zeros(len(found[parts[0].quantity]), dtype=int)
-    for place, part in enumerate(parts[1:], 1):
-        chosen[found[part.when] >= 1.0] = place
+    for index, part in enumerate(parts[1:], 1):
+        chosen[found[part.when] >= 1.0] = index
     value = weak.mean(np.choose(chosen, [found[part.quantity] for part in parts]))
     stored = np.zeros(len(chosen))
-    for place, part in enumerate(parts):
+    for index, part in enumerate(parts):
         if part.state and part.state in true:
-            storage = np.where(chosen == place, found[part.storage], 0.0)
+            storage = np.where(chosen == index, found[part.storage], 0.0)
             stored[1:] += np.cumsum(0.5 * (storage[1:] + storage[:-1])
                                     * np.diff(true[part.state]))
     # Summed before it is smoothed: the lines may change their parts at any row.
@@ -154,7 +154,7 @@ def _reading(model: CircuitModel, channels: Known, signal: str, value: Any,
 def misread(model: CircuitModel, channels: Known, signal: str, value: Any) -> Any:
     """Return what effects of its sensor, but a lag, add to a signal of this value."""
     slot, reads = _READINGS.get(signal, ('', ''))
-    if not any(place == slot for name in model.effects
-               for place, _ in effect_of(name).terms):
+    if not any(entry == slot for name in model.effects
+               for entry, _ in effect_of(name).terms):
         return 0.0
     return model.terms(slot, {**model.complete(channels), reads: value})

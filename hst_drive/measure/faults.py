@@ -107,8 +107,8 @@ def without_lost_rows(time: np.ndarray, channels: Mapping[str, np.ndarray],
     lost = np.zeros(len(time), dtype=bool)
     for first, end in stretches(null):
         if first and end < len(time) and all(
-                sum(abs(values[place] - values[first]) > far
-                    for values, far in zip(readings, usual)) >= 2 for place in (first - 1, end)):
+                sum(abs(values[row] - values[first]) > far
+                    for values, far in zip(readings, usual)) >= 2 for row in (first - 1, end)):
             lost[first:end] = True
     if not lost.any():
         return dict(channels), []
@@ -209,9 +209,9 @@ def _spikes(values: np.ndarray, resolution: float) -> np.ndarray:
         beside = np.sort(np.abs([x[k - 1] - x[k - 2], x[k - 2] - x[k - 3],
                                  x[k + width + 1] - x[k + width],
                                  x[k + width + 2] - x[k + width + 1]]), axis=0)[1]
-        places = k[:, None] + np.arange(-_AROUND, _AROUND)
-        places = np.clip(places, 1, len(x) - 2)
-        rough = np.abs(x[places] - 0.5 * (x[places - 1] + x[places + 1]))
+        rows = k[:, None] + np.arange(-_AROUND, _AROUND)
+        rows = np.clip(rows, 1, len(x) - 2)
+        rough = np.abs(x[rows] - 0.5 * (x[rows - 1] + x[rows + 1]))
         scatter = 1.4826 * np.median(rough, axis=1)
         limit = np.max([_CLEAR * scatter, _RETURNS * edge, _RETURNS * beside,
                         np.full(len(k), _STEPS * resolution)], axis=0)
@@ -243,7 +243,7 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
     found = []
     for a, b in zip(first[length > limit].tolist(), end[length > limit].tolist()):
-        into = [abs(values[place] - values[a]) for place in (a - 1, b) if 0 <= place < len(values)]
+        into = [abs(values[row] - values[a]) for row in (a - 1, b) if 0 <= row < len(values)]
         # A drive at rest, and a reading at the end of its range, stand still as well: but they
         # come there and go without a jump.
         if values[a] not in ends or any(size > jump for size in into):

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """On what a made-up unknown depends, and whether the formula that made it comes back."""
 from hst_drive.diagnose.dependence import depends_on, expression, regress, Samples
-from hst_drive.diagnose.isolate import Entry
+from hst_drive.diagnose.isolate import Location
 import numpy as np
 import pytest
 
 COUNT, BLOCK = 3000, 20
-PLACE = Entry('torque of the hydromotor', 'torque', 'pump_outlet_pressure', 'N.m', {}, ())
+PLACE = Location('torque of the hydromotor', 'torque', 'pump_outlet_pressure', 'N.m', {}, ())
 
 
 def samples(seed, truth, noise=0.3):
