@@ -21,7 +21,7 @@ from hst_drive.measure.useful import (
     missing_rows, refuse_other_circuit, refuse_starved, refuse_still, refuse_unjudged)
 from hst_drive.measure.where import operating_variables, Region, where
 from hst_drive.model import Drive
-from hst_drive.model.circuit_model import part_model
+from hst_drive.model.circuit_model import part_model, refuse_placeless
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
 import numpy as np
@@ -92,10 +92,11 @@ def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
     Raises
     ------
     InputError
-        If a log is of another circuit.
+        If a log is of another circuit, or an effect of the rig has no place in its own.
 
     """
     refuse_other_circuit(rig, runs)
+    refuse_placeless(rig, rig.effects)
     return part_model(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
 
 

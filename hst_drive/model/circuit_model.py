@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Mapping
+from typing import Iterable, Mapping
 
 from hst_drive.effects.oil import viscosity_ratio
 from hst_drive.errors import InputError
@@ -148,3 +148,12 @@ class CircuitModel(PartModel):
 def part_model(rig: Rig) -> PartModel:
     """Return the model that judges a log balance by balance: of its circuit, or of a part."""
     return PartModel(rig) if circuit_of(rig) is None else CircuitModel(rig)
+
+
+def refuse_placeless(rig: Rig, names: Iterable[str]) -> None:
+    """Raise InputError if an effect has no place in the equations of a rig's circuit."""
+    enters = part_model(rig).enters
+    for name in names:
+        if not enters(name):
+            raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
+                             f'{rig.source or rig.name}; leave it out')

@@ -14,7 +14,7 @@ import copy
 import math
 from typing import Any, Mapping
 
-from hst_drive.effects import catalogue, effect_of, READABLE
+from hst_drive.effects import effect_of, READABLE
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity_ratio
 from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.errors import InputError
@@ -78,7 +78,7 @@ class PartModel:
 
     def enters(self, name: str) -> bool:
         """Say whether an effect has a place in the equations."""
-        return catalogue()[name].slot not in OF_OTHER_CIRCUITS
+        return effect_of(name).slot not in OF_OTHER_CIRCUITS
 
     def factor(self, key: str) -> float:
         """Return the factor of this unit on a quantity."""

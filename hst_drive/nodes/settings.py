@@ -29,13 +29,10 @@ def rig_of(settings: Mapping[str, Any]) -> Rig:
 
 def effects_in(rig: Rig, texts: Iterable[str]) -> dict[str, dict[str, float]]:
     """Read effects as ``parse_effects`` does; each must have a place in the rig's circuit."""
-    from hst_drive.model.circuit_model import part_model      # late: most nodes ask for no model
+    from hst_drive.model.circuit_model import refuse_placeless    # late: most nodes need no model
 
     effects = parse_effects(texts)
-    for name in effects:
-        if not part_model(rig).enters(name):
-            raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
-                             f'{rig.source or rig.name}; leave it out')
+    refuse_placeless(rig, effects)
     return effects
 
 

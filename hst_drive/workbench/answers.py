@@ -83,7 +83,7 @@ class Answers:
         names = list(dict.fromkeys(name for run in self.bench.runs for name in CHANNELS
                                    if name in run))
         return {
-            'titles': titles(), 'effects': parameters(), 'channels': names,
+            'titles': titles(), 'effects': parameters(self.bench.base.bare), 'channels': names,
             'model': (self.setting.start or self.bench.base.start).as_json(),
             'logs': [{'name': run.name, 'held': place >= len(self.bench.training),
                       'notes': list(run.notes)} for place, run in enumerate(self.bench.runs)],

@@ -21,6 +21,8 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
 from hst_drive.measure.compare import compare, LogComparison, model_of
 from hst_drive.measure.run import Run
+from hst_drive.model.circuit_model import part_model
+from hst_drive.rig import Rig
 from hst_drive.workbench.errors import pooled
 from hst_drive.workbench.state import Base, PageModel
 import numpy as np
@@ -240,13 +242,15 @@ class Workbench:
         return lines
 
 
-def parameters() -> list[dict]:
-    """Return the catalogue for the page: effects with their parameters, in SI and for people."""
+def parameters(rig: Rig) -> list[dict]:
+    """Return a rig's catalogue for the page: effects, their parameters in SI and for people."""
     from hst_drive.effects import SLOTS
     from hst_drive.units import for_people
 
     order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
-    effects = sorted(catalogue().values(), key=lambda effect: order.index(effect.enters))
+    enters = part_model(rig).enters
+    effects = sorted((effect for effect in catalogue().values() if enters(effect.id)),
+                     key=lambda effect: order.index(effect.enters))
     return [{
         'id': effect.id, 'title': effect.title, 'enters': effect.enters,
         'equation': effect.equation, 'telltale': effect.telltale, 'source': effect.source,

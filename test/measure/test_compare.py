@@ -9,7 +9,7 @@ from hst_drive.bag.align import align, Signal
 from hst_drive.control import PiController
 from hst_drive.errors import InputError
 from hst_drive.measure.closed_loop import command_floor
-from hst_drive.measure.compare import compare
+from hst_drive.measure.compare import compare, model_of
 from hst_drive.measure.readings import Readings
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
@@ -109,6 +109,13 @@ def test_what_a_closed_loop_needs(missing):
         run.channels.pop(missing)
     with pytest.raises(InputError, match=f"'{missing}' is missing"):
         compare(Drive(rig), [run], closed_loop=True)
+
+
+def test_an_effect_of_the_rig_has_its_place_in_the_circuit():
+    run = closed_loop_record(0.5)
+    rig = replace(RIG, effects={'valve_lag': {'time_constant': 0.1}})
+    with pytest.raises(InputError, match="'valve_lag': has no place in 'circuit: open'"):
+        model_of(rig, [run])
 
 
 def test_several_logs_are_pooled_by_their_samples():
