@@ -59,6 +59,14 @@ class Layout(NamedTuple):
                        rows, self.path, self.header[places[0]])
         return self.in_si(np.column_stack([time, values]), rows, whole)
 
+    def whole_rows(self, lines: Sequence[str], rows: Sequence[int]) -> Sequence[str]:
+        """Return lines, the last with its end, without a last row that was not written to it."""
+        if not lines or lines[-1].endswith('\n') or (
+                lines[-1].count(self.separator) >= len(self.header) - 1):
+            return lines
+        self.notes.append(f'the last row ({rows[-1]}) is cut off; left out')
+        return lines[:-1]
+
     @property
     def dated(self) -> bool:
         """Whether the time column holds dates."""
@@ -124,9 +132,11 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
     """
     lines, rows = read_lines(Path(path))
     layout = layout_of(lines[:2], channel_map, str(path))
-    if len(lines) == layout.lines:
+    lines, rows = lines[layout.lines:], rows[layout.lines:]
+    lines = layout.whole_rows(lines, rows)
+    if not lines:
         raise InputError(f'{path}: has a header but no rows of data')
-    time, channels = layout.read(lines[layout.lines:], rows[layout.lines:], whole=True)
+    time, channels = layout.read(lines, rows, whole=True)
     return finish_run(Path(path).stem, time, channels, str(path), layout.notes)
 
 
@@ -144,7 +154,7 @@ def write_csv(path: str | os.PathLike[str], run: Run) -> None:
 
 
 def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
-    """Return the lines that count, and their numbers in the file."""
+    """Return the lines that count, the last with its end, and their numbers in the file."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -162,6 +172,8 @@ def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
         except UnicodeDecodeError:
             text = data.decode('latin-1')
     lines = text.splitlines()
+    if text.endswith(('\n', '\r')):
+        lines[-1] += '\n'
     if '#' not in text and all(map(str.strip, lines)):
         return lines, range(1, len(lines) + 1)
     rows = [number for number, line in enumerate(lines, 1)
@@ -266,7 +278,7 @@ def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, hea
             cells.pop()
         if len(cells) != len(header):
             raise InputError(f'{path}: row {rows[index]} has {len(cells)} cells, the header '
-                             f'{len(header)}')
+                             f'{len(header)}; mend the row or leave it out')
         for place, column in enumerate(columns):
             try:
                 out[index, place] = float(cells[column])

@@ -47,7 +47,8 @@ def csv_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         As ``read_csv`` does, once the wrong row is reached.
 
     """
-    blocks = _blocks(Path(path), channel_map)
+    notes: list[str] = []
+    blocks = _blocks(Path(path), channel_map, notes)
     time, channels = next(blocks, (None, {}))
     if time is None:
         raise InputError(f'{path}: has a header but no rows of data')
@@ -71,7 +72,7 @@ def csv_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         if rows.stop - rows.start >= MIN_ROWS and np.any((time >= start) & (time < end)):
             yield Section(finish_run(Path(path).stem, time[rows],
                                      {name: values[rows] for name, values in channels.items()},
-                                     str(path), ()), start, end)
+                                     str(path), notes), start, end)
         if last:
             return
         if rows.stop == rows.start:     # nothing for long: go to where it continues
@@ -82,9 +83,9 @@ def csv_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         channels = {name: values[keep:].copy() for name, values in channels.items()}
 
 
-def _blocks(path: Path, channel_map: ChannelMap) -> Iterator[
+def _blocks(path: Path, channel_map: ChannelMap, notes: list[str]) -> Iterator[
         tuple[np.ndarray, dict[str, np.ndarray]]]:
-    """Yield time and channels of some rows after the other."""
+    """Yield time and channels of some rows after the other; add to the notes what was left out."""
     try:
         with open(path, encoding=_encoding(path), errors='replace', newline=None) as file:
             numbered = ((number, line) for number, line in enumerate(file, 1)
@@ -94,10 +95,15 @@ def _blocks(path: Path, channel_map: ChannelMap) -> Iterator[
                 raise InputError(f'{path}: the file is empty; expected a header and rows of '
                                  'data')
             layout = layout_of([line.rstrip('\n') for _, line in first], channel_map, str(path))
+            notes += layout.notes
+            layout = layout._replace(notes=notes)
             numbered = chain(first[layout.lines:], numbered)
             start = None
             while block := list(islice(numbered, _LINES)):
                 rows, lines = zip(*block)
+                lines = layout.whole_rows(lines, rows)
+                if not lines:
+                    return
                 time, channels = layout.read([line.rstrip('\n') for line in lines], rows)
                 if start is None:
                     start = time[0] if layout.dated else 0.0

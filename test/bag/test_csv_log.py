@@ -192,6 +192,19 @@ def test_what_is_wrong_is_one_clear_line(tmp_path, header, rows, said):
     assert str(path) in str(caught.value)
 
 
+@pytest.mark.parametrize('rest', ['0.2', '0.20', '"0.20'])
+def test_a_last_row_that_was_not_written_to_its_end_is_left_out(tmp_path, rest):
+    path = save(tmp_path, HEADER, ROWS)
+    whole = read_log(path)
+    with open(path, 'a', encoding='utf-8') as file:
+        file.write(rest)
+    run = read_log(path)
+    assert np.array_equal(run.time, whole.time)
+    assert np.array_equal(run['motor_speed'], whole['motor_speed'])
+    assert f'the last row ({len(ROWS) + 2}) is cut off; left out' in run.notes
+    assert not any('cut off' in note for note in whole.notes)
+
+
 def test_binary_and_missing_files_are_refused(tmp_path):
     path = tmp_path / 'picture.csv'
     path.write_bytes(bytes(range(256)) * 9)

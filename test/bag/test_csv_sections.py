@@ -45,6 +45,15 @@ def test_a_wrong_row_is_named(tmp_path, line, told):
         list(csv_sections(path, ChannelMap(), 100.0, 5.0, 2.0))
 
 
+def test_a_last_row_that_was_not_written_to_its_end_is_left_out(tmp_path):
+    whole = write(tmp_path / 'whole.csv', 300.0)
+    path = write(tmp_path / 'log.csv', 300.0, '300.00,1')
+    for (run, *_), (other, *_) in zip(csv_sections(path, ChannelMap(), 100.0, 5.0, 2.0),
+                                      csv_sections(whole, ChannelMap(), 100.0, 5.0, 2.0)):
+        assert np.array_equal(run.time, other.time)
+    assert 'the last row (30003) is cut off; left out' in run.notes
+
+
 @pytest.mark.parametrize('content', ['', '# nothing\n', HEAD])
 def test_an_empty_log_is_told(tmp_path, content):
     path = tmp_path / 'log.csv'
