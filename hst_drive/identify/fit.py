@@ -25,6 +25,7 @@ import numpy as np
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
+_MOST, _FALLS = 20, 0.1     # steps; of the cost, that a step beyond those asked for must gain
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 _AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
@@ -126,7 +127,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     start : Model
         Where to start.
     iterations : int
-        Most Gauss-Newton steps.
+        Most Gauss-Newton steps; while the cost still falls fast more are taken.
     known : mapping of (str, str) to ndarray, optional
         Columns of the Jacobian from a nearby model (``Fit.columns``); saves most of the work.
     refresh : bool
@@ -167,7 +168,9 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     formed, here, damping = not own, False, 1e-6
     own = own or everything
     linear = linearised() if formed else None
-    for done in range(iterations if everything else 0):
+    for done in range(_MOST if everything else 0):
+        if done >= iterations and not (done and gain > _FALLS * cost):
+            break
         if not formed:
             jacobian[:, own] = differences(campaign, unknowns, vector, errors, own, errors_at)
             formed = here = True

@@ -16,7 +16,8 @@ import pytest
 @pytest.mark.slow
 @pytest.mark.parametrize('effect, seed', [
     ('suction_starvation=1.083', 7001), ('gear_backlash=0.71', 7002),
-    ('pump_speed_droop=0.571', 7011), ('cross_port_leakage=0.927', 7018)])
+    ('pump_speed_droop=0.571', 7011), ('cross_port_leakage=0.927', 7018),
+    ('pump_rate_limit=0.647', 23027)])
 def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed):
     """Beside a leakage that follows viscosity, which each machine of that generator has."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', effect,

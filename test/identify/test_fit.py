@@ -48,6 +48,15 @@ class Linear:
         return np.arange(len(self.values)) // BLOCK
 
 
+class Curved(Linear):
+    """Errors that grow exponentially with the effect: each step comes nearer by a third."""
+
+    def errors(self, model, *, to_fit=False, known=None):
+        size = model.effects[EFFECT][KEY] / TYPICAL
+        factors = [model.factors.get(key, 0.0) / value for key, value in TOLERANCES.items()]
+        return [self.matrix @ np.array([*factors, np.exp(3.0 * size)]) - self.values]
+
+
 def problem(seed, true, noise=None):
     """Return a linear campaign whose unknowns are ``true`` in their scales."""
     random = np.random.default_rng(seed)
@@ -65,6 +74,15 @@ def scaled(model):
     """Return the unknowns of a model in their scales."""
     return [*(model.factors[key] / value for key, value in TOLERANCES.items()),
             model.effects[EFFECT][KEY] / TYPICAL]
+
+
+def test_a_fit_goes_on_while_the_cost_falls_fast():
+    """A pump whose plate moves slowly was lost: four steps from a slower one led half the way."""
+    linear = problem(3, np.array([0.5, -1.0, np.exp(3.0 * 0.3)]))
+    begin = Model({EFFECT: {KEY: 2.0 * TYPICAL}})
+    found = fit(Curved(linear.matrix, linear.values), begin, iterations=2)
+    assert scaled(found.model)[-1] == pytest.approx(0.3, abs=0.02)
+    assert fit(linear, begin, iterations=0).model.effects == begin.effects
 
 
 @pytest.mark.parametrize('true', [(0.5, -1.0, 1.5), (0.0, 8.0, 1.0), (0.5, 0.5, -2.0)])
