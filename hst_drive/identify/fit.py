@@ -165,11 +165,11 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
     for k in {*everything} - {*own}:
         jacobian[:, k] = known[unknowns.names[k]]
     # Whether what is not known was formed, nearby or here.
-    formed, here, damping = not own, False, 1e-6
+    formed, here, damping, gain = not own, False, 1e-6, 0.0
     own = own or everything
     linear = linearised() if formed else None
     for done in range(_MOST if everything else 0):
-        if done >= iterations and not (done and gain > _FALLS * cost):
+        if done >= iterations and gain <= _FALLS * cost:
             break
         if not formed:
             jacobian[:, own] = differences(campaign, unknowns, vector, errors, own, errors_at)

@@ -16,8 +16,7 @@ import pytest
 @pytest.mark.slow
 @pytest.mark.parametrize('effect, seed', [
     ('suction_starvation=1.083', 7001), ('gear_backlash=0.71', 7002),
-    ('pump_speed_droop=0.571', 7011), ('cross_port_leakage=0.927', 7018),
-    ('pump_rate_limit=0.647', 23027)])
+    ('pump_speed_droop=0.571', 7011), ('cross_port_leakage=0.927', 7018)])
 def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed):
     """Beside a leakage that follows viscosity, which each machine of that generator has."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', effect,
@@ -28,6 +27,16 @@ def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed
     first, *others = found.effects
     assert first.id == name and found.probability.effects[name] > 0.8
     assert {entry.id for entry in others} <= {'leakage_temperature'}
+
+
+@pytest.mark.slow
+def test_a_slow_plate_is_named_though_the_fit_starts_from_a_slower_one(tmp_path):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single',
+                                '--seed', '23027')
+    first = diagnose(rig, list(logs.values())).effects[0]
+    assert [first.id] == [*truth['effects']] == ['pump_rate_limit']
+    assert first.parameters['full_stroke_time'].value == pytest.approx(
+        1.0 / truth['si_parameters']['rate_limit'], rel=0.02)
 
 
 @pytest.mark.slow
