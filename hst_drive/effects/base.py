@@ -17,6 +17,7 @@ import math
 from typing import Any, Callable, Collection, Mapping
 
 from hst_drive.effects.slots import READABLE, readable, SLOTS
+from hst_drive.units import for_people
 
 _BUILTINS = frozenset({'abs', 'max', 'min'})
 FORMULA_ERROR = 0.1     # of what an effect does, by which its formula usually is off machines
@@ -61,6 +62,12 @@ class Parameter:
         return replace(self, low=self.low * factor, high=self.high * factor,
                        typical=self.typical * factor,
                        neutral=self.neutral * factor)
+
+    @property
+    def example(self) -> str:
+        """What is typical, with its unit, as people write it."""
+        value, unit = for_people(self.typical, self.unit)
+        return f'{value:.2g}' + (f' {unit}' if unit != '1' else '')
 
     @property
     def of_any_size(self) -> Parameter:

@@ -13,7 +13,7 @@ logs, or else when a bag began to record.
 """
 from __future__ import annotations
 
-from datetime import datetime, timezone
+from datetime import date, datetime, timezone
 import hashlib
 import os
 from pathlib import Path
@@ -141,13 +141,22 @@ def _date(name: str, logs: Sequence[str]) -> str:
     """Return the day in the name of the campaign or of a log, or that on which a bag began."""
     for text in (*reversed(name.split('/')), *(Path(log).name for log in logs)):
         match = _DATE.search(text)
-        if match:
-            return '-'.join(match.groups())
+        if match and _is_day(day := '-'.join(match.groups())):
+            return day
     for log in logs:
         stamp = _began(Path(log) / 'metadata.yaml') if os.path.isdir(log) else 0
         if stamp > 0:
             return datetime.fromtimestamp(stamp / 1e9, timezone.utc).strftime('%Y-%m-%d')
     return ''
+
+
+def _is_day(text: str) -> bool:
+    """Say whether the calendar has a day: it has no 30th of February."""
+    try:
+        date.fromisoformat(text)
+    except ValueError:
+        return False
+    return True
 
 
 def history_dates(diagnosis: object) -> dict[str, str]:

@@ -10,10 +10,11 @@ import math
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.fleet.track import CHANGE, OIL
-from hst_drive.units import from_si, si_unit, to_si, UnitError
+from hst_drive.units import si_unit, to_si, UnitError
 
 Limits = dict[tuple[str, str], float]
 """By effect and parameter, SI."""
+_LARGER = 1000.0    # than what is plausible on the drill drive: no machine is so much larger
 
 
 def read_limit(text: str, source: str = '--limit') -> tuple[tuple[str, str], float]:
@@ -43,7 +44,7 @@ def read_limits(content: Mapping, source: str) -> Limits:
 def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], float]:
     """Read one limit: its key and its size."""
     if key in (OIL, f'{OIL}.{CHANGE}'):
-        return (OIL, CHANGE), _number(key, value, '1', source)
+        return (OIL, CHANGE), _number(key, value, '1', source, '20 %')
     name, _, parameter = key.partition('.')
     known = catalogue(everything=True)
     if name not in known:
@@ -54,13 +55,16 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
     if parameter not in ('', size.name):
         raise InputError(f"{source}: '{key}' is not the size of {name}; what is followed is "
                          f"'{name}.{size.name}'")
-    limit = _number(key, value, size.unit, source) - size.neutral
+    limit = _number(key, value, size.unit, source, size.example) - size.neutral
+    if abs(limit) > _LARGER * max(abs(size.low), abs(size.high)):
+        raise InputError(f"{source}: '{key}' is {value}, more than is plausible on a machine; "
+                         f"check its unit, expected something like '{size.example}'")
     if not limit:
         raise InputError(f"{source}: '{key}' is {value}: there the effect is not there at all")
     return (name, size.name), limit
 
 
-def _number(key: str, text: str, expected: str, source: str) -> float:
+def _number(key: str, text: str, expected: str, source: str, example: str) -> float:
     number, _, unit = text.partition(' ')
     if text.endswith('%'):
         number, unit = text[:-1], '%'
@@ -73,6 +77,5 @@ def _number(key: str, text: str, expected: str, source: str) -> float:
                 to_si(value, unit) - to_si(0.0, unit))
     except (ValueError, UnitError):
         pass
-    example = f'{from_si(1.0, expected):g}'
     raise InputError(f"{source}: '{key}' is '{text}', expected a number with a unit of "
-                     f"[{expected}], as '{example} {expected}'")
+                     f"[{expected}], as '{example}'")

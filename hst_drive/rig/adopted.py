@@ -64,7 +64,7 @@ def _effect(name: str, content: object, source: str, of_any_size: bool) -> dict[
 def _number(value: object, declared: Parameter, source: str, key: str) -> float:
     unit = '' if declared.unit == '1' else f' {declared.unit}'
     if isinstance(value, str):
-        value = _with_unit(value, declared.unit, source, key)
+        value = _with_unit(value, declared, source, key)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"{source}: '{key}' is {_shown(value)}, expected a number"
                          f"{unit and ' in'}{unit}")
@@ -77,9 +77,10 @@ def _number(value: object, declared: Parameter, source: str, key: str) -> float:
     return float(value)
 
 
-def _with_unit(text: str, expected: str, source: str, key: str) -> float:
+def _with_unit(text: str, declared: Parameter, source: str, key: str) -> float:
     """Read '12 N.m'; a bare number in quotes has no unit unless the parameter has none."""
     number, _, unit = text.strip().partition(' ')
+    expected = declared.unit
     try:
         value, unit = float(number), unit.strip() or '1'
         if math.isfinite(value):
@@ -90,7 +91,7 @@ def _with_unit(text: str, expected: str, source: str, key: str) -> float:
     except (ValueError, UnitError):
         pass
     raise InputError(f"{source}: '{key}' is {short(text)}, expected a number with a unit of "
-                     f"[{expected}], as '12 {expected}'")
+                     f"[{expected}], as '{declared.example}'")
 
 
 def _near(word: str, known: Iterable[str], otherwise: str) -> str:

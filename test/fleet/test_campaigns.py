@@ -64,7 +64,9 @@ def test_a_list(fleet, tmp_path):
 def test_the_dates_of_a_history(fleet):
     """From the folder, the log's name or nowhere; a diagnosis that tells no logs is no reason."""
     for path, told in (('rig_a/2026-03-14/drilling.csv', '2026-03-14'),
-                       ('rig_a/hole_20251224.csv', '2025-12-24'), ('rig_a/hole.csv', None)):
+                       ('rig_a/hole_20251224.csv', '2025-12-24'), ('rig_a/hole.csv', None),
+                       ('rig_a/2026-02-30/hole.csv', None),
+                       ('2026-03-14/2026-02-30/hole.csv', '2026-03-14')):
         dates = history_dates({'logs': [str(fleet / path)]})
         assert dates.get('recorded') == told
         assert abs(datetime.fromisoformat(dates['adopted']) - datetime.now()).days <= 2
