@@ -10,9 +10,9 @@ def outlet(motor_speed, outlet_pressure, flow_share):
     return outlet_pressure * (1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
 
 
-def loss(motor_speed, motor_displacement, efficiency, outlet_pressure, flow_share, loss_share):
-    """Return the torque that it takes beyond what the efficiency leaves of it, N.m."""
-    return (1.0 - efficiency) * loss_share * motor_displacement * outlet_pressure * (
+def loss(motor_speed, outlet_pressure, flow_share, loss_share):
+    """Return by how much the pressure that the losses go with lies above the difference, Pa."""
+    return loss_share * outlet_pressure * (
         1.0 + flow_share * (abs(motor_speed) / DRILLING_SPEED - 1.0))
 
 
@@ -21,8 +21,9 @@ EFFECT = Effect(
     title='the hydromotor discharges against a return pressure',
     slot='back_pressure',
     function=outlet,
-    also=(('motor_torque_loss', loss),),
-    equation='T = (eta * (P - P_out) - (1 - eta) * loss_share * P_out) * D_m, '
+    also=(('loss_pressure', loss),),
+    equation='T = (P - P_out - (1 - eta(P_loss)) * P_loss) * D_m, '
+             'P_loss = P - (1 - loss_share) * P_out, '
              'P_out = outlet_pressure * (1 + flow_share * (|omega| / (10 rad/s) - 1))',
     parameters=(
         Parameter('outlet_pressure', 'Pa', 0.0, 6e6, 4e5,

@@ -53,6 +53,8 @@ SLOTS: dict[str, Slot] = {
     'line_upstream_share': Slot('torque', '1', 'added to the share of the oil in the line '
                                 f'({USUAL_UPSTREAM}) that lies before its resistance'),
     'back_pressure': Slot('torque', 'Pa', 'pressure at the hydromotor outlet'),
+    'loss_pressure': Slot('torque', 'Pa', 'added to the pressure with which the hydromotor loses '
+                          'torque'),
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
     'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
     'gear_twist': Slot('torque', 'rad/(N.m)', 'turn of the hydromotor against the shaft behind '
@@ -84,7 +86,7 @@ READABLE: dict[str, str] = {
     'motor_speed': 'rad/s', 'motor_angle': 'rad', 'pump_command': 'V', 'pprv_command': 'V',
     'oil_temperature': 'K', 'viscosity_ratio': '1', 'load_torque': 'N.m', 'flow': 'm^3/s',
     'twist': 'rad', 'pump_leakage': 'm^3/s', 'motor_leakage': 'm^3/s',
-    'motor_displacement': 'm^3/rad', 'efficiency': '1',
+    'motor_displacement': 'm^3/rad',
     'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa',
     'oil_density': 'kg/m^3', 'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K',
     'nominal_speed': 'rad/s', 'rated_pressure': 'Pa', 'cross_port_pressure': 'Pa',
@@ -95,13 +97,12 @@ READABLE: dict[str, str] = {
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'efficiency',
-                                   'valve_command'}
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'valve_command'}
 _KNOWN: dict[str, frozenset[str]] = {
     'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
     'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
-    'back_pressure': _BALANCES | {'pump_speed'},
-    'cross_port_flow': _BALANCES | {'pump_speed'},
+    **dict.fromkeys(('back_pressure', 'loss_pressure', 'cross_port_flow'),
+                    _BALANCES | {'pump_speed'}),
     'charge_pressure': frozenset({'pump_speed', 'oil_temperature', 'viscosity_ratio'}),
     'gear_twist': frozenset({'pressure', 'motor_displacement'}),
     'gear_angle': frozenset({'load_torque'}),

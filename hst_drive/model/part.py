@@ -162,17 +162,16 @@ class PartModel:
         direction = _direction(known)
         if 'pressure' in known:
             outlet = known.get('outlet_pressure')
-            highest = np.abs(pressure)
             if outlet is not None:
-                highest = np.maximum(pressure, outlet)
                 known = {**known, 'pressure': pressure - outlet}
-            efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(highest, np.abs(speed)))
             back = self.terms('back_pressure', known) if outlet is None else 0.0
             # A cavitating inlet neither drives nor brakes.
-            ideal = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0)) * (
-                self.motor_displacement)
-            lost = (1.0 - efficiency) * np.abs(ideal)
+            net = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0))
+            loss = np.abs(net) + self.terms('loss_pressure', known)
+            efficiency = self.factor('motor.mechanical_efficiency') * (
+                self.rig.motor.mechanical_efficiency(loss, np.abs(speed)))
+            ideal = net * self.motor_displacement
+            lost = (1.0 - efficiency) * loss * self.motor_displacement
             if self.rig.motor.torque_loss:
                 # Coefficients tell what is lost without a pressure, too.
                 coulomb, viscous, share = self.rig.motor.torque_loss
@@ -180,7 +179,6 @@ class PartModel:
                 lost = share * np.abs(ideal) + coulomb + viscous * np.abs(speed)
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
             hydraulic = ideal - lost * np.where(speed == 0.0, np.sign(ideal), direction)
-            known = {**known, 'efficiency': efficiency}
         return (hydraulic + self.terms('motor_torque', known)
                 - self.terms('motor_torque_loss', known) * direction)
 

@@ -24,6 +24,11 @@ READINGS = ('pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'load_tor
 COMMANDS = {'pump_command': 5.5, 'pprv_command': 4.0}
 
 
+def hydromotor_torque(pressure, speed):
+    """Return what the tables give: measured without a pressure at the outlet."""
+    return pressure * RIG.motor.displacement * RIG.motor.mechanical_efficiency(pressure, speed)
+
+
 def at(effects, *, pressure=90e5, speed=10.0, command=5.5, temperature=None):
     """Return the readings in one state, settled on its commands."""
     drive = Drive(RIG, effects)
@@ -169,10 +174,14 @@ def test_leakage_takes_speed():
     ({'viscous_drag': {'coefficient': 1.5, 'viscosity_share': 1.0}}, 'motor_torque_hydraulic',
      {'temperature': 343.15}, -15.0 * THINNER),
     ({'hydrodynamic_drag': {'coefficient': 0.2}}, 'motor_torque_hydraulic', {}, -20.0),
+    # Only the difference of the port pressures counts.
     ({'back_pressure': {'outlet_pressure': 5e5}}, 'motor_torque_hydraulic', {},
-     -5e5 * RIG.motor.displacement * RIG.motor.mechanical_efficiency(90e5, 10.0)),
+     hydromotor_torque(85e5, 10.0) - hydromotor_torque(90e5, 10.0)),
     ({'back_pressure': {'outlet_pressure': 5e5, 'flow_share': 0.4}}, 'motor_torque_hydraulic',
-     {'speed': 5.0}, -4e5 * RIG.motor.displacement * RIG.motor.mechanical_efficiency(90e5, 5.0)),
+     {'speed': 5.0}, hydromotor_torque(86e5, 5.0) - hydromotor_torque(90e5, 5.0)),
+    # All of it acts on the displacement where the losses stay what they were.
+    ({'back_pressure': {'outlet_pressure': 5e5, 'loss_share': 1.0}}, 'motor_torque_hydraulic', {},
+     -5e5 * RIG.motor.displacement),
     ({'piston_ripple': {'cosine': 0.03, 'sine': 0.5}}, 'motor_torque_hydraulic', {},
      0.03 * 90e5 * RIG.motor.displacement),
     ({'piston_ripple': {'cosine': 0.0, 'cosine_2': 0.02, 'sine_2': 0.5}},
