@@ -25,7 +25,7 @@ from typing import Any
 
 from hst_drive.bag.arrays import columns_of, numbers
 from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, split_header
-from hst_drive.bag.csv_log import read_lines, separator_of
+from hst_drive.bag.csv_log import cells_of, read_lines, separator_of
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import si_unit, to_si, UnitError
@@ -93,7 +93,7 @@ def read_points(path: str | os.PathLike[str],
         raise InputError(f'{path}: has a header but no rows; expected one row per operating point')
     comma = separator != ',' and any(',' in line for line in lines[1:])
     values = np.full((len(lines) - 1, len(picks)), np.nan)
-    for index, cells in enumerate(csv.reader(lines[1:], delimiter=separator)):
+    for index, cells in enumerate(cells_of(lines[1:], rows[1:], separator, str(path))):
         while len(cells) > len(header) and not cells[-1].strip():
             cells.pop()
         if len(cells) != len(header):

@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from operator import methodcaller
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Iterator, NamedTuple
 
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import (
@@ -55,8 +55,8 @@ class Layout(NamedTuple):
             return self.in_si(_parse(lines, rows, self.separator, self.header, places, self.path),
                               rows, whole)
         values = _parse(lines, rows, self.separator, self.header, places[1:], self.path)
-        time = seconds([cells[places[0]] for cells in csv.reader(lines, delimiter=self.separator)],
-                       rows, self.path, self.header[places[0]])
+        dates = [cells[places[0]] for cells in cells_of(lines, rows, self.separator, self.path)]
+        time = seconds(dates, rows, self.path, self.header[places[0]])
         return self.in_si(np.column_stack([time, values]), rows, whole)
 
     def whole_rows(self, lines: Sequence[str], rows: Sequence[int]) -> Sequence[str]:
@@ -100,6 +100,17 @@ def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layou
     notes: list[str] = []
     picks = picks_of(header, channel_map, path, notes)
     return Layout(header, count, separator, picks, path, notes)
+
+
+def cells_of(lines: Sequence[str], rows: Sequence[int], separator: str,
+             path: str) -> Iterator[list[str]]:
+    """Yield the cells of lines, of which ``rows`` are the numbers."""
+    reader = csv.reader(lines, delimiter=separator)
+    try:
+        yield from reader
+    except csv.Error as error:
+        raise InputError(f'{path}: cannot be read up to row {rows[reader.line_num - 1]} '
+                         f'({error}); is a quote (") left open?') from None
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -273,7 +284,7 @@ def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, hea
                   columns: list[int], path: str) -> np.ndarray:
     """Do the same cell by cell: for missing samples, quotes, and to say what is wrong."""
     out = np.empty((len(lines), len(columns)))
-    for index, cells in enumerate(csv.reader(lines, delimiter=separator)):
+    for index, cells in enumerate(cells_of(lines, rows, separator, path)):
         while len(cells) > len(header) and not cells[-1].strip():
             cells.pop()
         if len(cells) != len(header):

@@ -220,6 +220,7 @@ def test_tables_that_cannot_be_used(given, told):
     (lambda: hd.simulate('paper_step', effects=3), 'effects: found 3, expected ids'),
     (lambda: hd.simulate('paper_step', effects=['motor_leek']), "did you mean 'motor_leakage'"),
     (lambda: hd.simulate('paper_step', effects={'motor_leakage': None}), 'expected a mapping'),
+    (lambda: hd.simulate('paper_step', effects=['valve_lag']), "has no place in 'circuit: open'"),
     (lambda: hd.simulate('paper_step', seed=-1), 'seed: found -1'),
     (lambda: hd.design(effects='motor_leakage'), 'at least two effects'),
     (lambda: hd.design(effects=['motor_leakage', 'pump_leakage'], duration='2 min'),

@@ -205,6 +205,12 @@ def test_a_last_row_that_was_not_written_to_its_end_is_left_out(tmp_path, rest):
     assert not any('cut off' in note for note in whole.notes)
 
 
+def test_a_quote_that_is_left_open_is_told(tmp_path):
+    path = save(tmp_path, HEADER, [ROWS[0], '0.01,"1', *(f'{k},1' for k in range(40_000))])
+    with pytest.raises(InputError, match='log.csv: cannot be read up to row .* quote'):
+        read_log(path)
+
+
 def test_binary_and_missing_files_are_refused(tmp_path):
     path = tmp_path / 'picture.csv'
     path.write_bytes(bytes(range(256)) * 9)
