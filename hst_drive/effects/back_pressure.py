@@ -43,6 +43,7 @@ EFFECT = Effect(
     shows_in=('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure',
               'motor_speed'),
     alike=('bearing_friction', 'pressure_sensor_bias'),
+    starts=({'loss_share': 1.0},),
     formula_error=0.3,      # at low pressure nobody knows which losses it takes with it
     gauge='a pressure gauge in the return line',
 )

@@ -267,9 +267,8 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     # slot back_pressure
     loss_pressure = 0.0
     # slot loss_pressure
-    loss_pressure = max(loss_pressure + pressure - back_pressure, 0.0)
     efficiency = p[P_motor_efficiency_scale] * interpolate2(
-        loss_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout)
+        pressure - back_pressure + loss_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout)
     load_side_speed = motor_speed
     load_direction = direction
     if on[SLOT_shaft_compliance]:
@@ -285,8 +284,9 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     motor_torque = 0.0
     # slot motor_torque
     # A cavitating inlet neither drives nor brakes.
-    motor_torque += ((max(pressure - back_pressure, 0.0) - (1.0 - efficiency) * loss_pressure)
-                     * motor_displacement - motor_torque_loss * direction)
+    motor_torque_loss += (1.0 - efficiency) * loss_pressure * motor_displacement
+    motor_torque += (efficiency * max(pressure - back_pressure, 0.0) * motor_displacement
+                     - motor_torque_loss * direction)
 
     shaft_torque = load_torque
     shaft_compliance = 0.0

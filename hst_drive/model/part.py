@@ -167,11 +167,11 @@ class PartModel:
             back = self.terms('back_pressure', known) if outlet is None else 0.0
             # A cavitating inlet neither drives nor brakes.
             net = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0))
-            loss = np.abs(net) + self.terms('loss_pressure', known)
+            more = self.terms('loss_pressure', known)
             efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(loss, np.abs(speed)))
+                self.rig.motor.mechanical_efficiency(np.abs(net) + more, np.abs(speed)))
             ideal = net * self.motor_displacement
-            lost = (1.0 - efficiency) * loss * self.motor_displacement
+            lost = (1.0 - efficiency) * (np.abs(net) + more) * self.motor_displacement
             if self.rig.motor.torque_loss:
                 # Coefficients tell what is lost without a pressure, too.
                 coulomb, viscous, share = self.rig.motor.torque_loss
