@@ -10,7 +10,7 @@ as far off as the make's tolerance lets it. Logs in which something is missing a
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING
+from typing import Iterator, TYPE_CHECKING
 
 from hst_drive.cli.common import (
     add_day_to_day_argument, add_log_arguments, day_to_day_of, read_logs, rig_file_of)
@@ -56,6 +56,8 @@ def run(args: argparse.Namespace) -> int:
                     'conditions': found.rig['commissioned']['conditions']}, args.json)
     tell = say if '-' in (args.output, args.json) else print
     tell(text(found))
+    if args.output != '-':
+        tell(f"\nwrote {args.output}: with --rig {args.output}, 'diagnose' says what has changed")
     return 0
 
 
@@ -69,9 +71,7 @@ def text(found: Commissioned) -> str:
              'from day to day (one sigma): '
              f'{found.day_to_day:g} of the tolerance of the make, '
              + ('from these logs' if found.from_logs else 'as stated'),
-             'commissioned for: ' + ', '.join(
-                 f'{key} {low:g} to {high:g}' for key, (low, high)
-                 in found.rig['commissioned']['conditions'].items())]
+             'commissioned for: ' + ', '.join(_conditions(found))]
     law = (found.rig.get('effects') or {}).get(OIL_LAW)
     if law:
         lines.append("its leakage follows the oil's viscosity to the power "
@@ -81,3 +81,15 @@ def text(found: Commissioned) -> str:
         lines += ['', 'these logs tell little of (the tolerance of the make stays); what would '
                   'tell:', *(f'  {entry.quantity}: {entry.test}' for entry in untold)]
     return '\n'.join(lines)
+
+
+def _conditions(found: Commissioned) -> Iterator[str]:
+    """Yield between which values each channel lay."""
+    from hst_drive.channels import CHANNELS
+    from hst_drive.rig.fingerprint import CONDITIONS
+
+    told = found.rig['commissioned']['conditions']
+    for channel, (suffix, unit) in CONDITIONS.items():
+        low, high = told.get(f'{channel}_{suffix}', (None, None))
+        if low is not None:
+            yield f'{CHANNELS[channel].title} {low:.4g} to {high:.4g} {unit}'

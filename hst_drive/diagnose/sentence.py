@@ -25,7 +25,9 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     sit at the limits of their tolerances in the unit without effects; ``commissioned`` says that
     the model is that of this machine as it was then, with the effects that are ``adopted``.
     """
-    first, last = ladder[1].holdout, ladder[-1].holdout
+    # A machine that was commissioned is known so well that its calibration takes most changes up.
+    first = ladder[0 if commissioned and effects else 1].holdout
+    last = ladder[-1].holdout
     signal = max(first, key=lambda name: first[name] - last[name]) if effects else \
         max(first, key=first.get, default='')
     if not signal:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hst_drive.channels import CHANNELS
+from hst_drive.measure.balances import closed, is_part
 from hst_drive.measure.compare import Comparison, LogComparison
 from hst_drive.measure.errors import ErrorSummary
 from hst_drive.measure.plausibility import drifts, unit_doubts
@@ -25,6 +26,10 @@ def remarks(rig: Rig, runs: Sequence[Run]) -> list[str]:
     lines = []
     for entry in runs:
         lines += [f'{entry.name}: {note}' for note in entry.notes]
+        if rig.whole and is_part(entry, rig):
+            lines.append(f'{entry.name}: no replay of the whole drive, which needs pump_command '
+                         'and pprv_command; judged one by one: '
+                         + ', '.join(balance.name for balance in closed(entry, rig).values()))
         if slow := too_slow(rig, entry):
             lines.append(f'{entry.name}: {slow}')
         lines += [f'{entry.name}: {line}; mend the unit, or leave the column out'

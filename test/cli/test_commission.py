@@ -40,7 +40,7 @@ def test_the_unit_file_is_a_rig_file(files, tmp_path, capsys):
     unit = tmp_path / 'unit.yaml'
     code, out, _ = run(capsys, files / 'old.csv', '--rig', files / 'make.yaml', '-o', unit,
                        '--json', tmp_path / 'unit.json')
-    assert code == 0 and 'pump.leakage' in out and 'commissioned for: pump_outlet_pressure' in out
+    assert code == 0 and 'pump.leakage' in out and 'commissioned for: pump outlet pressure' in out
     content = json.loads((tmp_path / 'unit.json').read_text())
     assert content['schema'] == 'hst_drive/commission/1'
     read = load_rig(unit)

@@ -267,6 +267,15 @@ def test_what_is_left_out_is_told(run, tmp_path, capsys):
     assert 'low: cavitation makes 25 % of the log, so it is judged' in out
 
 
+def test_a_log_without_commands_is_judged_in_parts_and_that_is_told(run, tmp_path, capsys):
+    path = tmp_path / 'bare.csv'
+    write_csv(path, Run('bare', run.time, {name: values for name, values in run.channels.items()
+                                           if not name.endswith('_command')}, str(path)))
+    code, _, err = command(capsys, path)
+    assert code == 0 and 'bare: no replay of the whole drive, which needs pump_command' in err
+    assert err.strip().endswith('judged one by one: hydromotor torque, hydromotor flow')
+
+
 def test_files_are_written_though_nobody_reads_the_text(log, tmp_path):
     """As with ``| head``."""
     process = subprocess.Popen(
