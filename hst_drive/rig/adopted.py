@@ -10,9 +10,10 @@ from reprlib import repr as short
 
 from hst_drive.effects import catalogue, left_out, Parameter
 from hst_drive.errors import InputError
-from hst_drive.units import si_unit, to_si, UnitError
+from hst_drive.units import for_people, si_unit, to_si, UnitError
 
 _OWN = 'see hst-drive effects; if it is one of your own, install the package that declares it'
+_HUGE = 1e300   # an integer may be too large for a float
 
 
 def read_effects(found: object, source: str,
@@ -71,10 +72,19 @@ def _number(value: object, declared: Parameter, source: str, key: str) -> float:
     # An integer may be too large for a float: compare first.
     if value != declared.neutral and not declared.low <= value <= declared.high:
         found = f'{value:g}' if isinstance(value, float) else short(value)
-        raise InputError(f"{source}: '{key}' is {found}{unit}, outside the plausible range "
-                         f'{declared.low:g} to {declared.high:g}{unit}; check the value and its '
-                         'unit')
+        raise InputError(f"{source}: '{key}' is {found}{unit}{_read(declared, value)}, outside "
+                         f'the plausible range {declared.low:g} to {declared.high:g}{unit}'
+                         f'{_read(declared, declared.low, declared.high)}; check the value and '
+                         'its unit')
     return float(value)
+
+
+def _read(declared: Parameter, *values: float) -> str:
+    """Return numbers as people read them; '' where that is how they stand."""
+    unit = for_people(1.0, declared.unit)[1]
+    return '' if unit == declared.unit else ' (' + ' to '.join(
+        f'{for_people(min(max(value, -_HUGE), _HUGE), declared.unit)[0]:.4g}'
+        for value in values) + f' {unit})'
 
 
 def _with_unit(text: str, declared: Parameter, source: str, key: str) -> float:

@@ -111,7 +111,12 @@ class Base:
             If an effect or a parameter is not known, or a value is outside its bounds.
 
         """
-        return parse_rig(self.mapping(model), self.source or 'rig')
+        source = self.source or 'rig'
+        try:
+            return parse_rig(self.mapping(model), source)
+        except InputError as error:
+            # Nobody wrote that into the file.
+            raise InputError(str(error).replace(source, 'this page', 1)) from None
 
     def model_of(self, mapping: dict) -> PageModel:
         """Return the model that a rig file made of this base stands for."""

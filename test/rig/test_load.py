@@ -143,6 +143,9 @@ def test_tables_hold_their_ends_and_are_linear_between():
     ('effects', {'bearing_friction': {'coulomb': 'nan N.m'}}, "is 'nan N.m', expected"),
     ('effects', {'bearing_friction': {'coulomb': math.nan}}, 'is nan N.m, outside the plausible'),
     ('effects', {'bearing_friction': {'coulomb': 10**400}}, 'outside the plausible range'),
+    ('effects', {'motor_leakage': {'conductance': 10**400}}, 'outside the plausible range'),
+    ('effects', {'motor_leakage': {'conductance': 1e-10}}, 'is 1e-10 m^3/(s.Pa) (0.6 L/min/bar), '
+     'outside the plausible range 0 to 3e-11 m^3/(s.Pa) (0 to 0.18 L/min/bar); check'),
     ('effects', {'bearing_friction': {'coulomb': -3}},
      "'effects.bearing_friction.coulomb' is -3 N.m, outside the plausible range 0 to 500 N.m"),
     ('effects', {'bearing_friction': {'coulomb': '13 kN.m'}}, 'outside the plausible range'),
