@@ -61,5 +61,5 @@ def run(args: argparse.Namespace) -> int:
     if args.json:
         write_json(as_json(result, args.output), args.json)
     if args.json != '-':
-        print(text(result, args.output))
+        print(text(result, args.output, args.rig))
     return 0

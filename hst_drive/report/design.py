@@ -10,15 +10,16 @@ from hst_drive.report.terminal import table
 from hst_drive.units import from_si
 
 
-def text(result: Design, output: str | None) -> str:
-    """Return the advice for a terminal."""
+def text(result: Design, output: str | None, rig_file: str | None = None) -> str:
+    """Return the advice for a terminal; the ``rig_file`` is what was given as --rig."""
     rivals = ', '.join(' + '.join(names) for names in result.rivals)
     lines = [f'to tell apart: {rivals}', '', sentence(result), '']
     lines += [f'test, {result.trial.duration:.0f} s: {result.trial.words}']
     if output:
         topics = ''.join(f' --topic {CHANNEL_FIELDS[name][0].name}' for name in result.sensors
                          if not CHANNEL_FIELDS[name][0].on)
-        lines += [f"written to {output}; play it with 'hst-drive run {output}{topics}', then "
+        rig = f' --rig {rig_file}' if rig_file else ''
+        lines += [f"written to {output}; play it with 'hst-drive run {output}{rig}{topics}', then "
                   'diagnose its recording together with the first logs']
     lines += ['', 'what remains between the model of one and the fit of the other (sigma: '
               'linearised, as\nthe search ranks tests; played with noise it may be less):',

@@ -23,7 +23,7 @@ from hst_drive.load import load_scenario
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario
 from hst_drive.report.design import sentence
-from hst_drive.rig import default_rig
+from hst_drive.rig import default_rig, default_rig_file
 import numpy as np
 import pytest
 
@@ -236,9 +236,11 @@ def test_a_rig_without_a_controller_is_refused():
 def test_the_verb_writes_a_scenario_that_plays(quick, tmp_path, capsys):
     """File, text and JSON."""
     path, data = tmp_path / 's.yaml', tmp_path / 'd.json'
+    rig = str(default_rig_file())
     assert main(['design', '--effects', 'viscous_drag,line_loss', '-o', str(path), '--json',
-                 str(data), '--duration', '50', '--closed-loop']) == 0
+                 str(data), '--duration', '50', '--closed-loop', '--rig', rig]) == 0
     said = capsys.readouterr().out
+    assert f"'hst-drive run {path} --rig {rig}" in said
     result = json.loads(data.read_text())
     assert result['schema'] == 'hst_drive/design/2' and result['sentence'] in said
     play = load_scenario(path, RIG)
