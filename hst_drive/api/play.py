@@ -14,7 +14,7 @@ from hst_drive.errors import InputError
 from hst_drive.load import load_scenario, LoadingUnit, parse_scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
-from hst_drive.model.circuit_model import refuse_placeless
+from hst_drive.model.circuit_model import part_model, refuse_placeless
 from hst_drive.report.effects import chosen
 from hst_drive.rig import Rig
 from hst_drive.rig.adopted import read_effects
@@ -44,7 +44,7 @@ def play(rig: Rig, asked: Any, effects: Mapping[str, Any] | Iterable[str] | None
         more = read_effects(given.sizes(effects, 'effects'), 'simulate')
     else:
         more = {name: {} for name in given.ids(effects or (), 'effects') if chosen(name)}
-    refuse_placeless(rig, more)
+    refuse_placeless(part_model(rig), more)
     if isinstance(asked, Run):
         return _commanded(rig, asked, more, seed)
     if isinstance(asked, Mapping):

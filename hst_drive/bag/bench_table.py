@@ -25,7 +25,7 @@ from typing import Any
 
 from hst_drive.bag.arrays import columns_of, numbers
 from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, split_header
-from hst_drive.bag.csv_log import cells_of, read_lines, separator_of
+from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import si_unit, to_si, UnitError

@@ -17,11 +17,12 @@ from difflib import get_close_matches
 from operator import methodcaller
 import os
 from pathlib import Path
-from typing import Iterator, NamedTuple
+from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import (
     channel_of, ChannelMap, check_unit, differences, Entry, is_unit, left_out, split_header)
+from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
 from hst_drive.bag.stamps import check_time, DATE, seconds, spread
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
@@ -102,17 +103,6 @@ def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layou
     return Layout(header, count, separator, picks, path, notes)
 
 
-def cells_of(lines: Sequence[str], rows: Sequence[int], separator: str,
-             path: str) -> Iterator[list[str]]:
-    """Yield the cells of lines, of which ``rows`` are the numbers."""
-    reader = csv.reader(lines, delimiter=separator)
-    try:
-        yield from reader
-    except csv.Error as error:
-        raise InputError(f'{path}: cannot be read up to row {rows[reader.line_num - 1]} '
-                         f'({error}); is a quote (") left open?') from None
-
-
 def _cells(line: str, separator: str) -> list[str]:
     cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     while cells and not cells[-1]:
@@ -162,44 +152,6 @@ def write_csv(path: str | os.PathLike[str], run: Run) -> None:
         pattern = ','.join(['%.12g'] + ['%.9g'] * len(units)) + '\n'
         text = ''.join(pattern % tuple(row) for row in table.tolist())
         file.write(text.replace('nan', ''))
-
-
-def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
-    """Return the lines that count, the last with its end, and their numbers in the file."""
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f'{path}: cannot be read: {error.strerror}') from None
-    if not data.strip():
-        raise InputError(f'{path}: the file is empty; expected a header and rows of data')
-    if b'\0' in data[:4096]:
-        if data[:2] not in (b'\xff\xfe', b'\xfe\xff'):
-            raise InputError(f'{path}: not a CSV file (binary content); expected CSV, .mcap or a '
-                             'rosbag2 folder')
-        text = data.decode('utf-16', 'replace')
-    else:
-        try:
-            text = data.decode('utf-8-sig')
-        except UnicodeDecodeError:
-            text = data.decode('latin-1')
-    lines = text.splitlines()
-    if text.endswith(('\n', '\r')):
-        lines[-1] += '\n'
-    if '#' not in text and all(map(str.strip, lines)):
-        return lines, range(1, len(lines) + 1)
-    rows = [number for number, line in enumerate(lines, 1)
-            if line.strip() and not line.lstrip().startswith('#')]
-    if not rows:
-        raise InputError(f'{path}: the file holds only comments')
-    if len(rows) != len(lines):
-        lines = [lines[number - 1] for number in rows]
-    return lines, rows
-
-
-def separator_of(header: str) -> str:
-    """Return the separator of a header line: comma, semicolon or tab."""
-    outside = ''.join(header.split('"')[::2])
-    return max((',', ';', '\t'), key=outside.count)
 
 
 def _is_number(text: str) -> bool:

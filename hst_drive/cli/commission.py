@@ -90,6 +90,6 @@ def _conditions(found: Commissioned) -> Iterator[str]:
 
     told = found.rig['commissioned']['conditions']
     for channel, (suffix, unit) in CONDITIONS.items():
-        low, high = told.get(f'{channel}_{suffix}', (None, None))
-        if low is not None:
+        if f'{channel}_{suffix}' in told:
+            low, high = told[f'{channel}_{suffix}']
             yield f'{CHANNELS[channel].title} {low:.4g} to {high:.4g} {unit}'

@@ -226,10 +226,8 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
     steps = [step(first, sheet), step('calibrated unit', search.base)]
     for count in range(1, len(order) + 1):
         names = tuple(sorted(order[:count]))
-        if count == len(order):
-            fitted = best.fit
-        else:
-            fitted = search.try_all([(names, best.fit.only(names))], 'ladder')[0].fit
+        fitted = best.fit if count == len(order) else search.try_all(
+            [(names, best.fit.only(names))], 'ladder')[0].fit
         steps.append(step(order[count - 1], fitted))
     return tuple(steps)
 

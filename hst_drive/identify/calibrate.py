@@ -3,6 +3,7 @@
 """The fit of the unit alone, as deep as it goes."""
 from __future__ import annotations
 
+from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import cost_of, Fit, fit
 from hst_drive.identify.judge import excess
@@ -29,6 +30,15 @@ def calibrated(campaign: Campaign) -> Fit:
     plain = _deepest(campaign, plain)
     trimmed = fit(campaign, Model(), iterations=8, refresh=True, trimmed=True)
     return trimmed if _fits(campaign, trimmed) and _is_one_event(campaign, trimmed) else plain
+
+
+def without_adopted(campaign: Campaign, base: Fit) -> Fit:
+    """Return the unit's fit with the errors that it has without what the rig has adopted."""
+    if not campaign.adopted:
+        return base
+    return base._replace(errors=campaign.errors(Model(
+        {name: effect_of(name).neutral for name in campaign.adopted},
+        base.model.factors)))
 
 
 def _fits(campaign: Campaign, fitted: Fit) -> bool:

@@ -12,7 +12,7 @@ from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of, flexible
-from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.calibrate import calibrated, without_adopted
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import ended, Fit, fit, score
@@ -66,7 +66,7 @@ class Search:
         self.candidates = tuple(candidates)
         self.progress = progress
         self.base = calibrated(campaign)
-        self.bare = _without_adopted(campaign, self.base)
+        self.bare = without_adopted(campaign, self.base)
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
@@ -295,12 +295,3 @@ class Search:
         odds = self.odds(best, level)
         order = np.argsort(-odds)[:_BEAM]
         return [level[index] for index in order], odds[order]
-
-
-def _without_adopted(campaign: Campaign, base: Fit) -> Fit:
-    """Return the unit's fit with the errors that it has without what the rig has adopted."""
-    if not campaign.adopted:
-        return base
-    return base._replace(errors=campaign.errors(Model(
-        {name: effect_of(name).neutral for name in campaign.adopted},
-        base.model.factors)))

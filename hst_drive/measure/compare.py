@@ -96,8 +96,9 @@ def model_of(rig: Rig, runs: Sequence[Run]) -> Drive | PartModel:
 
     """
     refuse_other_circuit(rig, runs)
-    refuse_placeless(rig, rig.effects)
-    return part_model(rig) if any(is_part(run, rig) for run in runs) else Drive(rig)
+    part = part_model(rig)
+    refuse_placeless(part, rig.effects)
+    return part if any(is_part(run, rig) for run in runs) else Drive(rig)
 
 
 def compare(drive: Drive | PartModel, runs: Sequence[Run], *,

@@ -150,10 +150,10 @@ def part_model(rig: Rig) -> PartModel:
     return PartModel(rig) if circuit_of(rig) is None else CircuitModel(rig)
 
 
-def refuse_placeless(rig: Rig, names: Iterable[str]) -> None:
+def refuse_placeless(model: PartModel, names: Iterable[str]) -> None:
     """Raise InputError if an effect has no place in the equations of a rig's circuit."""
-    enters = part_model(rig).enters
+    rig = model.rig
     for name in names:
-        if not enters(name):
+        if not model.enters(name):
             raise InputError(f"effect '{name}': has no place in 'circuit: {rig.circuit}' of "
                              f'{rig.source or rig.name}; leave it out')

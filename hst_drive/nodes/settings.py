@@ -29,10 +29,12 @@ def rig_of(settings: Mapping[str, Any]) -> Rig:
 
 def effects_in(rig: Rig, texts: Iterable[str]) -> dict[str, dict[str, float]]:
     """Read effects as ``parse_effects`` does; each must have a place in the rig's circuit."""
-    from hst_drive.model.circuit_model import refuse_placeless    # late: most nodes need no model
-
     effects = parse_effects(texts)
-    refuse_placeless(rig, effects)
+    if effects:
+        # Late: a start without effects needs no model for this.
+        from hst_drive.model.circuit_model import part_model, refuse_placeless
+
+        refuse_placeless(part_model(rig), effects)
     return effects
 
 

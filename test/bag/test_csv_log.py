@@ -205,6 +205,15 @@ def test_a_last_row_that_was_not_written_to_its_end_is_left_out(tmp_path, rest):
     assert not any('cut off' in note for note in whole.notes)
 
 
+@pytest.mark.parametrize('after', ['\n', '\n# the end', '\n\n'])
+def test_a_short_row_that_was_written_to_its_end_is_refused(tmp_path, after):
+    path = save(tmp_path, HEADER, ROWS)
+    with open(path, 'a', encoding='utf-8') as file:
+        file.write('0.20' + after)
+    with pytest.raises(InputError, match=f'row {len(ROWS) + 2} has 1 cells, the header 2'):
+        read_log(path)
+
+
 def test_a_quote_that_is_left_open_is_told(tmp_path):
     path = save(tmp_path, HEADER, [ROWS[0], '0.01,"1', *(f'{k},1' for k in range(40_000))])
     with pytest.raises(InputError, match='log.csv: cannot be read up to row .* quote'):
