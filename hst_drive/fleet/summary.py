@@ -13,14 +13,14 @@ from datetime import date
 import math
 from typing import NamedTuple, Sequence
 
-from hst_drive.effects.leakage_temperature import POWER, POWER_SIGMA
 from hst_drive.fleet.events import Event, events
 from hst_drive.fleet.growth import Growth, History, Remaining
 from hst_drive.fleet.life import Lives
 from hst_drive.fleet.limits import Limits
-from hst_drive.fleet.track import OIL, one_way
+from hst_drive.fleet.track import OIL, one_way, POWERS
 from hst_drive.identify.intervals import FORM
 import numpy as np
+from scipy.special import softmax
 
 _FEWEST_MACHINES = 5
 _FAR = 3.5
@@ -191,16 +191,34 @@ def _history(days: Sequence[float], sizes: Sequence[dict], rows: Sequence[dict])
     values, sigmas, offsets = (np.array([size.get(key, 0.0) for size in sizes])
                                for key in ('value', 'sigma', 'offset'))
     warm = [row['oil_temperature'] for row in rows]
-    if not all('laminar' in size for size in sizes):
+    if not all('by_power' in size for size in sizes):
         return History(np.array(days), values, sigmas,
                        np.empty(0) if None in warm else np.array(warm),
                        offset=float(np.median(offsets)))
     thin = -np.log([row['viscosity'] for row in rows])
     thin -= np.median(thin)
-    usual, laminar = np.exp(-POWER * thin), np.exp(-thin) * [size['laminar'] for size in sizes]
-    return History(np.array(days), usual * values, usual * sigmas, thinner=(
-        laminar - usual * values) * POWER_SIGMA / (1.0 - POWER),
+    power, sigma = _power(rows)
+    usual = np.exp(-power * thin)
+    by_power = np.polyfit(POWERS, np.exp(-np.outer(POWERS, thin))
+                          * np.array([size['by_power'] for size in sizes]).T, 2)
+    return History(
+        np.array(days), by_power[0] * power**2 + by_power[1] * power + by_power[2],
+        usual * sigmas, thinner=(2.0 * by_power[0] * power + by_power[1]) * sigma,
         offset=float(np.median(usual * offsets)))
+
+
+def _power(rows: Sequence[dict]) -> tuple[float, float]:
+    """
+    Return the power of the viscosity that a machine's leakages follow, and one sigma of it.
+
+    Any between those of orifices and of laminar gaps is as plausible, but for what the logs of
+    all dates tell: their oil warms up.
+    """
+    misfits = np.polyfit(POWERS, np.sum([row['misfits'] for row in rows], axis=0), 2)
+    powers = np.linspace(POWERS[0], POWERS[-1], 101)
+    chances = softmax(-0.5 * np.polyval(misfits, powers))
+    power = float(chances @ powers)
+    return power, float(np.sqrt(chances @ (powers - power)**2))
 
 
 def _urgency_of(entry: Followed) -> tuple:

@@ -32,6 +32,7 @@ _OILS = 0.2             # one sigma of the logarithm: how far stiffnesses of oil
 # What does to a drive what a softer oil does.
 _LIKE_OIL = {'entrained_air', 'compressibility_flow', 'accumulator', 'line_inertance'}
 _MOST = 3               # effects that are followed on one machine
+POWERS = (0.0, POWER, 1.0)  # of the viscosity: orifices, any, laminar gaps
 
 Sizes = dict[str, dict[str, object]]
 
@@ -41,14 +42,16 @@ class Tracked(NamedTuple):
     Sizes by effect, each with parameter, unit, value and standard deviation.
 
     ``offset``: what is not known of the machine itself moves all its sizes by so much, together.
-    Of a leak it is the one in the oil as it was, if all leakages follow its viscosity by the power
-    ``POWER``; ``laminar``: by 1. Temperature (degC) and viscosity (m^2/s) of the oil are None if
-    they are not known.
+    Of a leak it is the one in the oil as it was; ``by_power``: if all leakages follow its
+    viscosity by each of ``POWERS``, and ``misfits`` how ill the logs fit then, squared and in
+    standard deviations. Temperature (degC) and viscosity (m^2/s) of the oil are None if they are
+    not known.
     """
 
     sizes: Sizes
     oil_temperature: float | None
     viscosity: float | None
+    misfits: tuple[float, ...]
 
 
 def track(rig: Rig, runs: Sequence[Run],
@@ -71,18 +74,20 @@ def track(rig: Rig, runs: Sequence[Run],
     grade = rig.line.oil_grade if rig.line else ''
     thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
     if thick is None or OIL_LAW in rig.effects or not any(map(leaks, effects)):
-        sizes = _sizes(rig, runs, effects)
+        sizes, misfits = _sizes(rig, runs, effects)[0], ()
     else:
-        sizes, other = (_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
-            'exponent': power}}), runs, effects) for power in (POWER, 1.0))
+        each, misfits = zip(*(_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
+            'exponent': power}}), runs, effects) for power in POWERS))
+        sizes = each[POWERS.index(POWER)]
         for name in effects:
             if name in sizes and leaks(name):
-                sizes[name]['laminar'] = other[name]['value']
+                sizes[name]['by_power'] = [other[name]['value'] for other in each]
     return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
-                   None if thick is None else float(thick))
+                   None if thick is None else float(thick), misfits)
 
 
-def _sizes(rig: Rig, runs: Sequence[Run], effects: Mapping[str, Mapping[str, float]]) -> Sizes:
+def _sizes(rig: Rig, runs: Sequence[Run],
+           effects: Mapping[str, Mapping[str, float]]) -> tuple[Sizes, float]:
     campaign = campaign_of(rig, runs).of_logs(all_to_fit=True)
     campaign.signed = True
     known = {name: dict(values) for name, values in effects.items()
@@ -108,7 +113,7 @@ def _sizes(rig: Rig, runs: Sequence[Run], effects: Mapping[str, Mapping[str, flo
                                    variance, offset)
         elif oil and name[1] == OIL:
             sizes[OIL] = _size(CHANGE, '1', np.expm1(value), variance * np.exp(2.0 * value))
-    return sizes
+    return sizes, fitted.cost
 
 
 def _size(parameter: str, unit: str, value: float, variance: float,

@@ -74,7 +74,9 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
             or grade not in GRADES or OIL_LAW in rig.effects):
         return 0.0, 0.0
-    learnt = np.clip(rig.characterised_at, *rig.fingerprint.conditions['oil_temperature'])
+    there = rig.fingerprint.conditions['oil_temperature']
+    # One factor stood for all oil there, too: only what lies beyond is new.
+    learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
     thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))
     return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
 

@@ -167,6 +167,21 @@ def test_a_leakage_is_known_for_the_oil_at_which_it_was_learnt(unit):
     assert prior(visited, [day(5)]).expected['pump.leakage'] == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize('last, beyond', [(318.15, None), (323.15, 318.15)])
+def test_one_factor_stood_for_all_oil_that_was_visited(unit, last, beyond):
+    """Oil that warms up as it did then widens nothing; only what lies beyond is new."""
+    visited = replace(unit, fingerprint=replace(
+        unit.fingerprint, conditions={'oil_temperature': (308.15, 318.15)}))
+    warming = day(6)
+    # In no log but for a twentieth of it at each end.
+    oil = np.interp(np.linspace(0.0, 1.0, 240), [0.05, 0.5, 0.95], [308.15, 313.15, last])
+    warming = replace(warming, channels={**warming.channels, 'oil_temperature': oil})
+    thinner = math.log(viscosity(beyond, 'ISO VG 46') / viscosity(last, 'ISO VG 46')) \
+        if beyond else 0.0
+    spread = math.hypot(unit.scatter['pump.leakage'], thinner / 12**0.5, thinner / 2)
+    assert prior(visited, [warming]).sigmas['pump.leakage'] == pytest.approx(spread, rel=0.02)
+
+
 @pytest.mark.needs_numba
 def test_leakage_that_follows_the_oil_is_no_fault_but_learnt():
     """A healthy machine on three days with oil of 44, 50 and 56 degC; power 1 in truth."""

@@ -7,12 +7,13 @@ import math
 from hst_drive.diagnose.commission import commission
 from hst_drive.effects import catalogue
 from hst_drive.effects.oil import viscosity
-from hst_drive.fleet.track import to_follow, track
+from hst_drive.fleet.track import POWERS, to_follow, track
 from hst_drive.rig import default_rig, parse_rig
 from hst_drive.rig.fingerprint import Fingerprint
+import numpy as np
 import pytest
 
-from ..diagnose.machines import day, L_MIN, MAKE, UNIT
+from ..diagnose.machines import columns, day, L_MIN, MAKE, UNIT
 
 RIG = default_rig()
 
@@ -82,7 +83,7 @@ def test_sizes_are_those_of_the_pump_also_where_nothing_is_named(leak):
     assert found.oil_temperature == pytest.approx(40.0)
 
 
-def test_a_leak_is_told_for_both_ways_to_follow_the_viscosity():
+def test_a_leak_is_told_for_each_way_to_follow_the_viscosity():
     """Of a laminar gap, as here: what is left of it and of the table's, by the power 1, is 0."""
     thin = viscosity(313.15, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
     unit = parse_rig(commission(MAKE, 'make.yaml', [day(1), day(2)], 0.1).rig, 'unit.yaml')
@@ -92,11 +93,27 @@ def test_a_leak_is_told_for_both_ways_to_follow_the_viscosity():
         found = track(unit, [day(31, leak * thin, factors=(UNIT[0], UNIT[1] * thin),
                                  celsius=50.0)], form)
         size = found.sizes['pump_leakage']
-        assert size['laminar'] == pytest.approx(leak * thin * typical, abs=0.03 * typical)
-        # By the power 1/2 the table lets less through: the rest is the leak's.
-        more = UNIT[1] * (thin - thin**0.5)
-        assert size['value'] == pytest.approx((leak * thin + more) * typical, abs=0.03 * typical)
+        # By a lower power the table lets less through: the rest is the leak's.
+        assert size['by_power'] == pytest.approx([
+            (leak * thin + UNIT[1] * (thin - thin**power)) * typical for power in POWERS],
+            abs=0.03 * typical)
+        assert size['value'] == size['by_power'][1]
         assert found.viscosity == pytest.approx(viscosity(323.15, 'ISO VG 46'))
+        # One temperature does not tell the power.
+        assert np.ptp(found.misfits) < 2.0
+
+
+@pytest.mark.parametrize('power', POWERS)
+def test_oil_that_warms_up_tells_how_the_leakages_follow_it(power):
+    unit = parse_rig(commission(MAKE, 'make.yaml', [day(1), day(2)], 0.1).rig, 'unit.yaml')
+    kelvin = np.linspace(303.15, 333.15, 240)
+    thin = viscosity(313.15, 'ISO VG 46') / viscosity(kelvin, 'ISO VG 46')
+    warming = day(31)
+    table = columns(warming['pump_outlet_pressure'], warming['pump_speed'])[:, 1]
+    warming.channels['motor_inlet_flow'] += table * ((UNIT[1] + 0.3) * thin**power - UNIT[1])
+    warming.channels['oil_temperature'] = kelvin
+    found = track(unit, [warming], {'pump_leakage': {'conductance': 1e-12, 'exponent': 1.0}})
+    assert POWERS[int(np.argmin(found.misfits))] == power
 
 
 def test_what_is_not_known_of_the_machine_is_off_on_all_dates():
