@@ -240,12 +240,13 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     if usual > max(_COARSE / step, _FEW) or length[inside].sum() > _MOST * len(finite):
         return ()
     changes = np.abs(np.diff(finite))
+    far = max(ends, key=abs)
     jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
     found = []
     for a, b in zip(first[length > limit].tolist(), end[length > limit].tolist()):
         into = [abs(values[row] - values[a]) for row in (a - 1, b) if 0 <= row < len(values)]
-        # A drive at rest, and a reading at the end of its range, stand still as well: but they
-        # come there and go without a jump.
-        if values[a] not in ends or any(size > jump for size in into):
+        # A drive at rest stands still as well: but it comes there and goes without a jump. What
+        # shows noise elsewhere is at rest nowhere else: at its far end it is saturated.
+        if values[a] not in ends or values[a] == far or any(size > jump for size in into):
             found.append((a, b))
     return tuple(found)
