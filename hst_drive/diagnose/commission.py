@@ -14,7 +14,6 @@ from dataclasses import replace
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.result import Value
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
@@ -22,14 +21,15 @@ from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import conditions
-from hst_drive.identify.fit import Fit
+from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.intervals import spread
 from hst_drive.identify.linearised import squared_slopes
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
-from hst_drive.rig.fingerprint import SECTION
+from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION
 from hst_drive.units import from_si
 import numpy as np
 
@@ -114,6 +114,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
 
     """
     made, within = _of_make(rig, source)
+    learnt = False
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
         found = diagnose(within, [run], progress=progress)
@@ -124,14 +125,20 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
                 break
         # How its leakage goes with its oil is no fault of a machine.
         if [entry.id for entry in found.effects] == [OIL_LAW] and found.verdict != 'unknown':
-            law = _with_prior(found.effects[0].parameters['exponent'])
-            rig = {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {'exponent': law}}}
+            rig = _with_law(rig, found.effects[0].parameters['exponent'].value)
             made, within = _of_make(rig, source)
+            learnt = True
         elif found.verdict != 'none':
             others = ' and the other logs together' if len(runs) > 1 else ''
             raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
                              f'{found.sentence} Mend or adopt that first, or leave the log out')
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
+    law_sigma = 0.0
+    if learnt:
+        law, law_sigma = _oil_law(campaign)
+        rig = _with_law(rig, law)
+        made, within = _of_make(rig, source)
+        campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '
@@ -157,6 +164,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)},
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
+    if learnt:
+        unit[SECTION][OIL_LAW_SIGMA] = law_sigma
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
     if temperatures and not _follow_viscosity(made.effects):
         # What was learnt of the leakages holds for the oil as it was then.
@@ -177,10 +186,20 @@ def _of_make(rig: dict, source: str) -> tuple[Rig, Rig]:
                                            for key, value in made.tolerances.items()})
 
 
-def _with_prior(power: Value) -> float:
-    """Return what a fitted power of the viscosity is with what is known of any gap."""
-    precision = np.array([POWER_SIGMA, (power.high - power.low) / 3.92])**-2.0
-    return float(f'{precision @ [POWER, power.value] / precision.sum():.3g}')
+def _with_law(rig: dict, power: float) -> dict:
+    return {**rig, 'effects': {**(rig.get('effects') or {}),
+                               OIL_LAW: {'exponent': float(f'{power:.3g}')}}}
+
+
+def _oil_law(campaign: Campaign) -> tuple[float, float]:
+    """Return the power of the viscosity, from all logs and what is known of any gap; one sigma."""
+    start = Model({OIL_LAW: campaign.off(OIL_LAW)})
+    found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)
+    index = found.unknowns.names.index((OIL_LAW, 'exponent'))
+    values = np.array([POWER, found.unknowns.mix(found.vector)[index]])
+    sigma = found.unknowns.scale[index] * np.sqrt(found.covariance[index, index])
+    precision = np.array([POWER_SIGMA, sigma])**-2.0
+    return float(precision @ values / precision.sum()), float(f'{precision.sum()**-0.5:.3g}')
 
 
 def _as_ratio(tolerance: float) -> float:

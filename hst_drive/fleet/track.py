@@ -169,9 +169,9 @@ def to_follow(rows: Sequence[dict], rig: Rig,
     name that fits most dates is taken, the form from where it was largest. Where one of them has
     a limit and fits half of the dates, that is the name. A name that is told beside another on no
     date is a second one for it if they were look-alikes once or act at the same place; what is
-    declared as alike is so in any case. What a machine's oil does as well (``OIL``, ``OIL_LAW``)
-    is followed as such. Where nothing was named, what has a limit is followed all the same: many
-    dates may show together what none shows alone.
+    declared as alike is so in any case. What a machine's oil does as well is followed as ``OIL``;
+    ``OIL_LAW`` was learnt and is not followed. Where nothing was named, what has a limit is
+    followed all the same: many dates may show together what none shows alone.
 
     Parameters
     ----------
@@ -189,13 +189,16 @@ def to_follow(rows: Sequence[dict], rig: Rig,
              if entry['id'] in known] for row in rows]
     told = [{entry['id'] for entry in entries} for entries in each]
     found = [entry for entries in each for entry in entries]
-    chosen = {name: dict(values) for name, values in rig.effects.items()}
+    # How a machine's leakages go with its oil was learnt with the rest of it.
+    chosen = {name: dict(values) for name, values in rig.effects.items()
+              if name != OIL_LAW or not rig.fingerprint}
+    most = _MOST + len(chosen)
     of_oil = {*_LIKE_OIL, OIL_LAW} - {*limited} if rig.fingerprint else set()
     # What the oil may do counts as that, but where it may as well be what has a limit.
     left = [names for entry in found if entry['id'] not in chosen and (names := [
         name for name in (entry['id'], *entry['indistinguishable_from'])
         if name in known and (name in limited if entry['id'] in of_oil else name not in of_oil)])]
-    while left and len(chosen) < _MOST + len(rig.effects):
+    while left and len(chosen) < most:
         votes: dict[str, float] = {}
         for first, *others in left:
             # Between look-alikes the one that came first most often.

@@ -13,7 +13,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Callable, Sequence
 
-from hst_drive.effects import catalogue, effect_of, Parameter
+from hst_drive.effects import catalogue, Effect, effect_of, Parameter
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import prior
@@ -141,9 +141,13 @@ class Campaign:
 
         Of an adopted effect its size is: it grows or shrinks, its form is known.
         """
-        parameter = effect_of(name).parameter(key)
-        if name in self.adopted and key != effect_of(name).size.name:
-            return False
+        effect = effect_of(name)
+        parameter = effect.parameter(key)
+        return (name not in self.adopted or parameter == effect.size) and self._tells(
+            effect, parameter)
+
+    def _tells(self, effect: Effect, parameter: Parameter) -> bool:
+        """Say whether such logs can tell a parameter of an effect."""
         return not parameter.fixed and (parameter.whole_drive
                                         or parameter.recorded_in(self.signals))
 

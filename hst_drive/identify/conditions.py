@@ -51,18 +51,21 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     Return what is known of the unit's factors, beside ``rig.calibration``.
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
-    leakages are known no better than the power with which they follow the viscosity.
+    leakages are known no better than the power with which they follow the viscosity: any, or one
+    that was learnt.
     """
     sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
     usual, most = _thinner(rig, runs)
+    power, unsure = (0.0, rig.fingerprint.oil_law) if OIL_LAW in rig.effects else (
+        POWER, POWER_SIGMA)
     # Both the power is not known, and one factor stands for all temperatures of these logs.
-    spread = np.hypot(POWER_SIGMA * most, POWER * (most - usual))
+    spread = np.hypot(unsure * most, power * (most - usual))
     wider = {key: float(np.hypot(value, spread)) if key in _GAPS else value
              for key, value in sigmas.items()}
     shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
-    return Prior({key: float(np.exp(POWER * usual)) for key in _GAPS if key in sigmas}, wider, {
+    return Prior({key: float(np.exp(power * usual)) for key in _GAPS if key in sigmas}, wider, {
         (one, other): value if one == other else value * shrunk[one] * shrunk[other]
         for (one, other), value in rig.fingerprint.correlation.items()})
 
@@ -72,7 +75,7 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
-            or grade not in GRADES or OIL_LAW in rig.effects):
+            or grade not in GRADES):
         return 0.0, 0.0
     there = rig.fingerprint.conditions['oil_temperature']
     # One factor stood for all oil there, too: only what lies beyond is new.

@@ -9,11 +9,12 @@ block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from typing import Mapping, NamedTuple, Sequence
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
+from hst_drive.identify.late_steps import in_time
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
@@ -159,12 +160,19 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
 
     Held-out logs may not visit where something is missing: then the logs that were fitted show
     it. These hold what is hard to replay, so that more may remain on them. What a model may leave
-    beyond its floor does not grow with that: ringing hides no error.
+    beyond its floor does not grow with that: ringing hides no error. When between two rows a
+    command stepped is not known (``in_time``).
     """
     own, fitted = judged(campaign, model)
+    left = _beyond(campaign, own, fitted.errors, done, held_out)
+    return left and _beyond(campaign, own, in_time(own, fitted.errors), done, held_out)
+
+
+def _beyond(campaign: Campaign, own: Campaign, errors: Sequence[np.ndarray],
+            done: Mapping[str, float], held_out: bool | None) -> dict[str, float]:
     clean = CLEAN_FITTED if held_out is False else CLEAN_RATIO
     left = {}
-    for name, ratio in own.ratios(fitted.errors, held_out).items():
+    for name, ratio in own.ratios(errors, held_out).items():
         common = _squared_floors(campaign, own, name, held_out)
         if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
                        + common * (FORMULA_ERROR * done.get(name, 0.0))**2):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.channels import CHANNELS, TORQUES
-from hst_drive.effects import catalogue, Parameter
+from hst_drive.effects import catalogue, Effect, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import BLOCK, Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
@@ -165,12 +165,10 @@ class PartCampaign(Campaign):
                 values[key] = off[key]
         return values
 
-    def fits(self, name: str, key: str) -> bool:
-        """Say whether a parameter is fitted: here also those that a whole drive hardly shows."""
-        if name not in catalogue():
-            return super().fits(name, key)
-        effect = catalogue()[name]
-        parameter = effect.parameter(key)
+    def _tells(self, effect: Effect, parameter: Parameter) -> bool:
+        """Say whether such logs can tell a parameter: here also what a drive hardly shows."""
+        if effect.id not in catalogue():
+            return super()._tells(effect, parameter)
         if parameter.whole_drive:
             # As well as there where the effect is measured by itself, or a whole circuit moves.
             return self.rig.circuit != OPEN and not parameter.fixed or any(

@@ -57,6 +57,11 @@ class Steps(NamedTuple):
         moved = uniform_filter1d(change, size, origin=(size - 1) // 2) * size
         return 0.5 * period * np.minimum(hidden / np.maximum(moved, 1e-12), 1.0)
 
+    def starts(self, period: float) -> np.ndarray:
+        """Return the rows, a period (s) apart, behind which it steps after a rest."""
+        rows = np.flatnonzero(np.diff(self.values))
+        return rows[np.diff(rows, prepend=-len(self.values)) * period > _OF_LATE]
+
     def draw(self, random: np.random.Generator) -> np.ndarray:
         """Return commands that are as likely."""
         return self.low + (self.high - self.low) * random.random(len(self.values))

@@ -107,6 +107,7 @@ class Replay(RecordedLoad):
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
+        self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] | None = None
         self._predicted: tuple[bytes, tuple, dict[str, np.ndarray]] | None = None
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
@@ -246,6 +247,18 @@ class Replay(RecordedLoad):
         """Return the state at the first sample, as far as the signals tell it."""
         inputs = {name: float(values[0]) for name, values in self.inputs.items()}
         return first_state(drive, self._beginning.first, inputs, self.torque, self._beginning)
+
+    def half_a_row_early(self, drive: Drive) -> list[tuple[np.ndarray, dict[str, np.ndarray]]]:
+        """Return rows behind which each command steps, and what moves if it does so earlier."""
+        if self._early is None:
+            self._early, base = [], self.predict(drive)
+            for name, steps in self.steps.items():
+                command, starts = self.inputs[name], steps.starts(self.run.sample_time)
+                moved = self.predict(drive, commands={
+                    name: 0.5 * (command + np.append(command[1:], command[-1:]))})
+                self._early.append((starts, {
+                    signal: moved[signal] - base[signal] for signal in self.signals}))
+        return self._early
 
     def predict(self, drive: Drive, extra: np.ndarray | None = None,
                 commands: Mapping[str, np.ndarray] = {}) -> dict[str, np.ndarray]:

@@ -17,6 +17,7 @@ CONDITIONS: dict[str, tuple[str, str]] = {
     'motor_speed': ('rpm', 'rpm'), 'oil_temperature': ('degC', 'degC')}
 SECTION = 'commissioned'
 _KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
+OIL_LAW_SIGMA = 'leakage_temperature_exponent_sigma'    # only where that was learnt
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ class Fingerprint:
         Repeatability, in the make's tolerances.
     conditions : dict of str to (float, float)
         Lowest and highest value, SI, of each channel that tells conditions.
+    oil_law : float
+        One standard deviation of the power by which its leakages follow the oil, if that was
+        learnt.
 
     """
 
@@ -42,6 +46,7 @@ class Fingerprint:
     correlation: dict[tuple[str, str], float] = field(default_factory=dict)
     day_to_day: float = 0.0
     conditions: dict[str, tuple[float, float]] = field(default_factory=dict)
+    oil_law: float = 0.0
 
 
 def read_fingerprint(found: object, source: str) -> Fingerprint:
@@ -56,9 +61,9 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
     """
     content = _mapping(found, source, SECTION)
     for key in content:
-        if key not in _KEYS:
+        if key not in (*_KEYS, OIL_LAW_SIGMA):
             raise InputError(f"{source}: unknown key '{SECTION}.{key}'; known: "
-                             f'{", ".join(_KEYS)}')
+                             f'{", ".join((*_KEYS, OIL_LAW_SIGMA))}')
     for key in _KEYS:
         if key not in content:
             raise InputError(f"{source}: key '{SECTION}.{key}' is missing; commission the "
@@ -75,7 +80,8 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
         {key: float(value) for key, value in sigmas.items()},
         _correlation(content['correlation'], [*sigmas], source),
         _number(content[_KEYS[2]], 0.0, 10.0, source, share),
-        _conditions(content['conditions'], source))
+        _conditions(content['conditions'], source),
+        _number(content.get(OIL_LAW_SIGMA, 0.0), 0.0, 1.0, source, f'{SECTION}.{OIL_LAW_SIGMA}'))
 
 
 def _correlation(found: object, names: list[str],

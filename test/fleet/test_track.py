@@ -3,6 +3,7 @@
 """Which effects a machine is followed by, and that their sizes are there on every date."""
 from dataclasses import replace
 import math
+from test.measure.test_circuit import campaign
 
 from hst_drive.diagnose.commission import commission
 from hst_drive.effects import catalogue
@@ -134,6 +135,22 @@ def test_a_machine_may_leak_less_than_it_did():
     size = track(unit, [day(31, -0.2)], {
         'pump_leakage': {'conductance': 1e-12, 'exponent': 1.0}}).sizes['pump_leakage']
     assert size['value'] == pytest.approx(-0.2 * L_MIN / 100e5, rel=0.1)
+
+
+def test_in_any_circuit_a_size_is_followed_and_its_form_stays(tmp_path):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', 'motor_leakage=1',
+                                '--seed', '100')
+    form = {'motor_leakage': {'conductance': 1e-12, 'exponent': 1.0}}
+    size = track(rig, [logs['reverse']], form).sizes['motor_leakage']
+    assert size['parameter'] == 'conductance'
+    assert size['value'] == pytest.approx(
+        truth['si_parameters']['g_motor'], abs=2 * math.hypot(size['sigma'], size['offset']))
+
+
+def test_how_leakages_go_with_the_oil_was_learnt_and_is_not_followed():
+    unit = replace(RIG, effects={'leakage_temperature': {'exponent': 0.8}},
+                   fingerprint=Fingerprint({}))
+    assert [*to_follow([row(LEAK)], unit)] == ['motor_leakage']
 
 
 def test_second_names_are_left_out_unless_both_are_told_on_one_date():

@@ -145,7 +145,8 @@ def test_what_stood_at_the_end_of_its_range_is_known_in_no_row_there():
 @pytest.mark.parametrize('sign', (1.0, -1.0))
 def test_what_saturates_slowly_is_known_in_no_row_there(sign):
     """A flow meter that ends below what passes it: it comes there and goes without a jump."""
-    true = 40.0 + 12.0 * np.sin(0.7 * TIME) + 0.05 * np.random.default_rng(10).standard_normal(6000)
+    noise = 0.05 * np.random.default_rng(10).standard_normal(6000)
+    true = 40.0 + 12.0 * np.sin(0.7 * TIME) + noise
     mended, notes = without_faults(TIME, {'motor_inlet_flow': sign * np.minimum(true, 48.0)})
     assert np.array_equal(np.isnan(mended['motor_inlet_flow']), true >= 48.0)
     assert len(notes) == 1 and 'saturated' in notes[0]

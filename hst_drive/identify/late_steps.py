@@ -1,0 +1,47 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""
+Steps of a command that came before the row which shows them.
+
+A recorder that reads commands once a row shows a step up to a row late, each by another part of
+it. What all have in common is in the lags of the actuators; the rest is nobody's physics.
+"""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.identify.campaign import Campaign
+import numpy as np
+
+
+def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """
+    Return errors as they are if each step came when it fits them best, within half a row.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Of the whole drive; others are left as they are.
+    errors : sequence of ndarray
+        Of its columns (``Campaign.errors``).
+
+    """
+    errors = list(errors)
+    for log, replay in enumerate([] if campaign.by_balance else campaign.replays):
+        columns = [(index, column) for index, column in enumerate(campaign.columns)
+                   if column.log == log]
+        for starts, moved in replay.half_a_row_early(campaign.drive):
+            step = np.searchsorted(starts, np.arange(len(replay.run)), side='right')
+            shifts = {index: np.nan_to_num(moved[column.signal]) * column.scale
+                      for index, column in columns}
+            along, square = np.zeros((2, len(starts) + 1))
+            for index, column in columns:
+                rows = column.rows(None)
+                weighted = (shifts[index] * column.trust**2)[rows]
+                along += np.bincount(step[rows], weighted * errors[index][rows], len(along))
+                square += np.bincount(step[rows], weighted * shifts[index][rows], len(along))
+            early = np.clip(-along / np.maximum(square, 1e-30), -1.0, 1.0)
+            early[0] = 0.0      # before the first step
+            for index, shift in shifts.items():
+                errors[index] = errors[index] + early[step] * shift
+    return errors

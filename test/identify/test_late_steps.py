@@ -1,0 +1,48 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Commands that step between two rows, on machines of the independent generator."""
+from test.truth import make_campaign
+
+from bench.campaigns import run_of
+from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.judge import CLEAN_RATIO, judged, unexplained
+from hst_drive.identify.late_steps import in_time
+from hst_drive.identify.part import campaign_of
+from hst_drive.rig import parse_rig
+import numpy as np
+import pytest
+
+
+def calibration(effects, late):
+    """Return campaign and fit of a log in which half of the steps may show a row late."""
+    made = make_campaign(41, effects, logs=('open_loop',), noise=0.5, keep_exact=False)
+    (name, columns), = made.logs.items()
+    random = np.random.default_rng(41)
+    for key in ('pump_command[V]', 'pprv_command[V]') if late else ():
+        steps = np.flatnonzero(np.diff(columns[key]))
+        steps = steps[random.random(len(steps)) < 0.5]
+        columns[key][steps + 1] = columns[key][steps]
+    campaign = campaign_of(parse_rig(made.sheet, 'rig'), [run_of(name, columns)])
+    return campaign, calibrated(campaign)
+
+
+def worst(campaign, fitted, held):
+    """Return the largest noise ratio: as it is, or with steps in time."""
+    own, fitted = judged(campaign, fitted)
+    errors = in_time(own, fitted.errors) if held else fitted.errors
+    return max(own.ratios(errors, None).values())
+
+
+def test_steps_that_show_up_to_a_row_late_are_no_physics():
+    campaign, fitted = calibration({}, late=True)
+    assert worst(campaign, fitted, False) > CLEAN_RATIO
+    assert worst(campaign, fitted, True) < 1.2
+    assert not unexplained(campaign, fitted, {}, None)
+
+
+@pytest.mark.parametrize('effects', [{}, {'pump_lag': 1.0}, {'motor_leakage': 1.0}])
+def test_what_is_missing_does_not_go_into_the_time_of_steps(effects):
+    campaign, fitted = calibration(effects, late=False)
+    before = worst(campaign, fitted, False)
+    assert worst(campaign, fitted, True) > 0.95 * before
+    assert bool(unexplained(campaign, fitted, {}, None)) == bool(effects)
