@@ -20,9 +20,9 @@ from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.conditions import conditions
+from hst_drive.identify.conditions import conditions, oil_is_known, thinning
 from hst_drive.identify.fit import Fit, fit
-from hst_drive.identify.intervals import spread
+from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
@@ -38,7 +38,7 @@ import numpy as np
 DAY_TO_DAY = 0.1
 _SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
 _LESS = 0.5         # of a quantity, that no unit of a make lacks
-_TOLD = 0.5         # of the squared tolerance: with more left the logs told nothing
+_TOLD = 0.5         # of what was open, squared: with more left the logs told nothing
 # What makes each quantity show.
 _TESTS = {
     'motor.displacement': 'several speeds at little load, with the flow measured',
@@ -79,6 +79,13 @@ class Quantity(NamedTuple):
     test: str
 
 
+class OilLaw(NamedTuple):
+    """The power of the viscosity that a machine's leakages follow, and one sigma of it."""
+
+    power: float
+    sigma: float
+
+
 class Commissioned(NamedTuple):
     """The machine's rig file as a mapping, and what people want to know of it."""
 
@@ -114,7 +121,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
 
     """
     made, within = _of_make(rig, source)
-    learnt = False
+    learnt = OIL_LAW not in made.effects and oil_is_known(made, runs)
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
         found = diagnose(within, [run], progress=progress)
@@ -133,10 +140,10 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
                              f'{found.sentence} Mend or adopt that first, or leave the log out')
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
-    law_sigma = 0.0
-    if learnt:
-        law, law_sigma = _oil_law(campaign)
-        rig = _with_law(rig, law)
+    law = _oil_law(campaign, thinning(made, runs)) if learnt and not campaign.out_of_reach(
+        OIL_LAW) else None
+    if law and (law.sigma**2 < _TOLD * POWER_SIGMA**2 or OIL_LAW in made.effects):
+        rig = _with_law(rig, law.power)
         made, within = _of_make(rig, source)
         campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
@@ -164,8 +171,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)},
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
-    if learnt:
-        unit[SECTION][OIL_LAW_SIGMA] = law_sigma
+    if law and OIL_LAW in made.effects:
+        unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
     if temperatures and not _follow_viscosity(made.effects):
         # What was learnt of the leakages holds for the oil as it was then.
@@ -191,15 +198,21 @@ def _with_law(rig: dict, power: float) -> dict:
                                OIL_LAW: {'exponent': float(f'{power:.3g}')}}}
 
 
-def _oil_law(campaign: Campaign) -> tuple[float, float]:
-    """Return the power of the viscosity, from all logs and what is known of any gap; one sigma."""
-    start = Model({OIL_LAW: campaign.off(OIL_LAW)})
+def _oil_law(campaign: Campaign, thinning: float) -> OilLaw:
+    """
+    Return how leakages go with the viscosity, from all logs and what is known of any gap.
+
+    A leakage is off its formula by ``FORM``: so far it may go astray while the oil got thinner.
+    """
+    start = Model({OIL_LAW: {'exponent': campaign.adopted.get(OIL_LAW, {}).get(
+        'exponent', POWER)}})
     found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)
     index = found.unknowns.names.index((OIL_LAW, 'exponent'))
     values = np.array([POWER, found.unknowns.mix(found.vector)[index]])
-    sigma = found.unknowns.scale[index] * np.sqrt(found.covariance[index, index])
+    sigma = np.hypot(found.unknowns.scale[index] * np.sqrt(found.covariance[index, index]),
+                     FORM / max(thinning, 1e-6))
     precision = np.array([POWER_SIGMA, sigma])**-2.0
-    return float(precision @ values / precision.sum()), float(f'{precision.sum()**-0.5:.3g}')
+    return OilLaw(float(precision @ values / precision.sum()), float(precision.sum()**-0.5))
 
 
 def _as_ratio(tolerance: float) -> float:

@@ -17,6 +17,7 @@ from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.conditions import faults_of
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, Spread, spread
 from hst_drive.identify.model import Model
@@ -189,9 +190,7 @@ def to_follow(rows: Sequence[dict], rig: Rig,
              if entry['id'] in known] for row in rows]
     told = [{entry['id'] for entry in entries} for entries in each]
     found = [entry for entries in each for entry in entries]
-    # How a machine's leakages go with its oil was learnt with the rest of it.
-    chosen = {name: dict(values) for name, values in rig.effects.items()
-              if name != OIL_LAW or not rig.fingerprint}
+    chosen = faults_of(rig)
     most = _MOST + len(chosen)
     of_oil = {*_LIKE_OIL, OIL_LAW} - {*limited} if rig.fingerprint else set()
     # What the oil may do counts as that, but where it may as well be what has a limit.

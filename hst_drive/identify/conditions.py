@@ -72,16 +72,34 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     """Return by what factor (log) oil is thinner than when learnt: usually, and at most."""
-    grade = rig.line.oil_grade if rig.line else ''
     reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
-            or grade not in GRADES):
+            or not oil_is_known(rig, ())):
         return 0.0, 0.0
+    grade = rig.line.oil_grade
     there = rig.fingerprint.conditions['oil_temperature']
     # One factor stood for all oil there, too: only what lies beyond is new.
     learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
     thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))
     return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
+
+
+def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
+    """Return what a rig has adopted; how its leakages go with its oil was learnt, no fault."""
+    return {name: dict(values) for name, values in rig.effects.items()
+            if name != OIL_LAW or not rig.fingerprint}
+
+
+def oil_is_known(rig: Rig, runs: Sequence[Run]) -> bool:
+    """Say whether the oil's viscosity is known in some logs."""
+    return rig.line is not None and rig.line.oil_grade in GRADES and all(
+        'oil_temperature' in run for run in runs)
+
+
+def thinning(rig: Rig, runs: Sequence[Run]) -> float:
+    """Return by what factor (log) the oil of some logs is thinner at its warmest."""
+    cold, warm = viscosity(np.array(_reach('oil_temperature', runs)), rig.line.oil_grade)
+    return float(np.log(cold / warm))
 
 
 def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
