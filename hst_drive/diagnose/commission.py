@@ -14,6 +14,7 @@ from dataclasses import replace
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.result import Diagnosis
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
@@ -121,31 +122,28 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
 
     """
     made, within = _of_make(rig, source)
-    learnt = OIL_LAW not in made.effects and oil_is_known(made, runs)
+    law: OilLaw | None = None
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
         found = diagnose(within, [run], progress=progress)
+        if found.verdict != 'none' and not law:
+            # How its leakage goes with its oil is no fault of a machine.
+            rig, law = _with_oil_law(rig, source, runs, sure=_of_oil(found))
+            made, within = _of_make(rig, source)
+            found = diagnose(within, [run], progress=progress) if law else found
         if found.verdict != 'none' and len(runs) > 1:
             # A short log alone may mislead; what is missing in the machine shows in all of them.
             found = diagnose(within, runs, progress=progress)
             if found.verdict == 'none':
                 break
-        # How its leakage goes with its oil is no fault of a machine.
-        if [entry.id for entry in found.effects] == [OIL_LAW] and found.verdict != 'unknown':
-            rig = _with_law(rig, found.effects[0].parameters['exponent'].value)
-            made, within = _of_make(rig, source)
-            learnt = True
-        elif found.verdict != 'none':
+        if found.verdict != 'none' and not (law and _of_oil(found)):
             others = ' and the other logs together' if len(runs) > 1 else ''
             raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
                              f'{found.sentence} Mend or adopt that first, or leave the log out')
-    campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
-    law = _oil_law(campaign, thinning(made, runs)) if learnt and not campaign.out_of_reach(
-        OIL_LAW) else None
-    if law and (law.sigma**2 < _TOLD * POWER_SIGMA**2 or OIL_LAW in made.effects):
-        rig = _with_law(rig, law.power)
+    if not law:
+        rig, law = _with_oil_law(rig, source, runs)
         made, within = _of_make(rig, source)
-        campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
+    campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '
@@ -171,7 +169,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)},
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
-    if law and OIL_LAW in made.effects:
+    if law:
         unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
     if temperatures and not _follow_viscosity(made.effects):
@@ -193,26 +191,35 @@ def _of_make(rig: dict, source: str) -> tuple[Rig, Rig]:
                                            for key, value in made.tolerances.items()})
 
 
-def _with_law(rig: dict, power: float) -> dict:
-    return {**rig, 'effects': {**(rig.get('effects') or {}),
-                               OIL_LAW: {'exponent': float(f'{power:.3g}')}}}
+def _of_oil(found: Diagnosis) -> bool:
+    return [entry.id for entry in found.effects] == [OIL_LAW] and found.verdict != 'unknown'
 
 
-def _oil_law(campaign: Campaign, thinning: float) -> OilLaw:
+def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
+                  sure: bool = False) -> tuple[dict, OilLaw | None]:
     """
-    Return how leakages go with the viscosity, from all logs and what is known of any gap.
+    Return the rig file with how its leakages go with the viscosity, if these logs tell that.
 
-    A leakage is off its formula by ``FORM``: so far it may go astray while the oil got thinner.
+    From all logs, and what is known of any gap. A leakage is off its formula by ``FORM``: so far
+    it may go astray while the oil gets thinner. ``sure``: these logs ask for it.
     """
-    start = Model({OIL_LAW: {'exponent': campaign.adopted.get(OIL_LAW, {}).get(
-        'exponent', POWER)}})
+    made, within = _of_make(rig, source)
+    campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
+    if (OIL_LAW in made.effects and not sure or not oil_is_known(made, runs)
+            or campaign.out_of_reach(OIL_LAW)):
+        return rig, None
+    start = Model({OIL_LAW: {'exponent': POWER}})
     found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)
     index = found.unknowns.names.index((OIL_LAW, 'exponent'))
-    values = np.array([POWER, found.unknowns.mix(found.vector)[index]])
     sigma = np.hypot(found.unknowns.scale[index] * np.sqrt(found.covariance[index, index]),
-                     FORM / max(thinning, 1e-6))
+                     FORM / max(thinning(made, runs), 1e-6))
     precision = np.array([POWER_SIGMA, sigma])**-2.0
-    return OilLaw(float(precision @ values / precision.sum()), float(precision.sum()**-0.5))
+    law = OilLaw(float(precision @ [POWER, found.unknowns.mix(found.vector)[index]]
+                       / precision.sum()), float(precision.sum()**-0.5))
+    if not sure and law.sigma**2 > _TOLD * POWER_SIGMA**2:
+        return rig, None
+    return {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {
+        'exponent': float(f'{law.power:.3g}')}}}, law
 
 
 def _as_ratio(tolerance: float) -> float:

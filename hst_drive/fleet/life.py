@@ -76,9 +76,9 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
                what='machines commissioned', asked=lambda campaign: 'unit') if first else []
     for row in rows:
         name = row['machine']
-        units[name] = row['reason'] or _written(store, name, row['unit'])
+        units[name] = f"none, judged by its make: {row['reason']}"
         if row['status'] == 'done':
-            files[name] = units[name]
+            files[name] = units[name] = _written(store, name, row['unit'])
             if row.get('refused'):
                 units[name] += f", of the first day alone: {row['refused']}"
             logs = {*row['used']}
