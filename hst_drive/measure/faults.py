@@ -32,6 +32,7 @@ _USUAL = 95.0           # percentile of the lengths of repetitions that is usual
 _COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longer is coarse
 _MOST = 0.9             # of a recording: a sensor that stands for longer is made so
 _JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
+_SCATTERS = 0.1         # share of its steps that turn back, from which on a reading shows noise
 _TOLD = 3
 _NULLS = 0.0, 273.15, -101325.0     # what 0 of a logger is in SI: also of degC, and absolute Pa
 _FALLS = 0.25           # of what a reading usually is: so far it falls into a lost row, and rises
@@ -239,14 +240,16 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     inside = (length > limit) & ~np.isin(values[first], ends)
     if usual > max(_COARSE / step, _FEW) or length[inside].sum() > _MOST * len(finite):
         return ()
-    changes = np.abs(np.diff(finite))
-    far = max(ends, key=abs)
+    moves = np.diff(finite)
+    changes, moves = np.abs(moves), moves[moves != 0.0]
+    scatters = np.mean(moves[1:] * moves[:-1] < 0.0) > _SCATTERS
+    far = max(ends, key=abs) if scatters else None
     jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
     found = []
     for a, b in zip(first[length > limit].tolist(), end[length > limit].tolist()):
         into = [abs(values[row] - values[a]) for row in (a - 1, b) if 0 <= row < len(values)]
-        # A drive at rest stands still as well: but it comes there and goes without a jump. What
-        # shows noise elsewhere is at rest nowhere else: at its far end it is saturated.
+        # A drive at rest, and a reading without noise at an end of its motion, stand still as
+        # well: but they come there and go without a jump.
         if values[a] not in ends or values[a] == far or any(size > jump for size in into):
             found.append((a, b))
     return tuple(found)

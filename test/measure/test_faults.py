@@ -152,6 +152,12 @@ def test_what_saturates_slowly_is_known_in_no_row_there(sign):
     assert len(notes) == 1 and 'saturated' in notes[0]
 
 
+def test_what_moves_without_noise_may_stay_where_it_ends():
+    """Oil that has warmed up; a plate at full stroke."""
+    oil = 40.0 + np.minimum(TIME, 30.0) / 3.0
+    assert find_faults(TIME, {'oil_temperature': oil}) == {}
+
+
 def test_a_cable_that_was_off_takes_no_rest_of_the_drive_with_it():
     spoilt = sensors(4)
     speed = spoilt['motor_speed']
