@@ -16,7 +16,7 @@ from typing import Callable, Sequence
 from hst_drive.effects import catalogue, Effect, effect_of, Parameter
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
-from hst_drive.identify.conditions import prior
+from hst_drive.identify.conditions import faults_of, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.measure.circuit import replay_of
@@ -62,6 +62,7 @@ class Campaign:
         self.rig = replace(rig, calibration={**rig.calibration, **{
             key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
         self.adopted = rig.effects
+        self.faults = faults_of(rig)
         self.drive = self._model()
         self.replays = [replay_of(run.slower(self.finest), self.drive)
                         for run in (*runs, *holdout)]

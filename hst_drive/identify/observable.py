@@ -80,7 +80,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
         odds = shows.odds(move, size.low < campaign.off(name)[size.name])
-        asked = campaign.odds_asked + (0.0 if name in campaign.adopted else log(len(names)))
+        asked = campaign.odds_asked + (0.0 if name in campaign.faults else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
         smallest = abs(size.typical) * _crossing(lambda log_share: _named(
             *odds(log_share), asked, campaign.own_past))

@@ -121,7 +121,7 @@ def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campai
         return means.signals(own, moved)
 
     return [Explanation(names, signals(fit), _penalty(own, fit), listed,
-                        len({*names} & {*campaign.adopted}), formula_error(names))
+                        len({*names} & {*campaign.faults}), formula_error(names))
             for names, own, fit, listed in fitted], means.sensors
 
 
