@@ -60,6 +60,12 @@ class Followed(NamedTuple):
         """Whether it is there and grows."""
         return self.there and self.growth.kind in GROWING
 
+    @property
+    def due(self) -> float:
+        """Day on which the limit is reached; infinite without one, or if growth is not clear."""
+        return self.remaining.middle if self.remaining and (
+            self.growth.kind != 'not clear' or self.remaining.reached > 0.5) else math.inf
+
 
 class Machine(NamedTuple):
     """
@@ -159,7 +165,7 @@ def _state(entries: Sequence[Followed], last: dict | None) -> str:
     reaches = [entry.remaining for entry in entries if entry.remaining]
     if any(found.reached > 0.5 for found in reaches):
         return REACHED
-    if any(math.isfinite(found.middle) for found in reaches):
+    if any(math.isfinite(entry.due) for entry in entries):
         return AHEAD
     if any(entry.grows for entry in entries):
         return GROWS
@@ -222,8 +228,7 @@ def _power(rows: Sequence[dict]) -> tuple[float, float]:
 
 
 def _urgency_of(entry: Followed) -> tuple:
-    left = entry.remaining.middle if entry.remaining else math.inf
-    return left, not entry.grows, not entry.there, entry.effect
+    return entry.due, not entry.grows, not entry.there, entry.effect
 
 
 def _urgency(machine: Machine) -> tuple:

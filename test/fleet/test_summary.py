@@ -97,6 +97,16 @@ def test_a_repair_is_one_below_none_as_well():
     assert not machine.followed[0].there
 
 
+def test_no_limit_is_ahead_where_it_is_not_clear_whether_it_grows():
+    """Some laws that fit reach the limit, others do not."""
+    days = 61.0 * np.arange(5)
+    machine, = summarise(together(rows('odd', days, TYPICAL * np.array(
+        [0.5, 0.55, 0.52, 0.6, 0.66]))), LIMITS).machines
+    entry, = machine.followed
+    assert entry.growth.kind == 'not clear' and np.isfinite(entry.remaining.middle)
+    assert machine.state == 'steady fault'
+
+
 def test_without_a_limit_it_only_grows(lives):
     states = {machine.name: machine.state for machine in summarise(lives).machines}
     assert states['wears'] == GROWS and states['far <off>'] == 'steady fault'
