@@ -14,7 +14,7 @@ from typing import Mapping, NamedTuple, Sequence
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.late_steps import in_time
+from hst_drive.identify.recording import at_zero, in_time
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
@@ -161,11 +161,12 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     Held-out logs may not visit where something is missing: then the logs that were fitted show
     it. These hold what is hard to replay, so that more may remain on them. What a model may leave
     beyond its floor does not grow with that: ringing hides no error. When between two rows a
-    command stepped is not known (``in_time``).
+    command stepped, and what a sensor reads at zero, is not known (``recording``).
     """
     own, fitted = judged(campaign, model)
     left = _beyond(campaign, own, fitted.errors, done, held_out)
-    return left and _beyond(campaign, own, in_time(own, fitted.errors), done, held_out)
+    return left and _beyond(campaign, own, at_zero(own, in_time(own, fitted.errors)), done,
+                            held_out)
 
 
 def _beyond(campaign: Campaign, own: Campaign, errors: Sequence[np.ndarray],

@@ -1,10 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-Steps of a command that came before the row which shows them.
+What a recording leaves open, and no physics explains: when a command stepped, and zeros.
 
 A recorder that reads commands once a row shows a step up to a row late, each by another part of
-it. What all have in common is in the lags of the actuators; the rest is nobody's physics.
+it. What all have in common is in the lags of the actuators. A sensor's zero is known no better
+than it scatters.
 """
 from __future__ import annotations
 
@@ -44,4 +45,30 @@ def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
             early[0] = 0.0      # before the first step
             for index, shift in shifts.items():
                 errors[index] = errors[index] + early[step] * shift
+    return errors
+
+
+def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """
+    Return errors less what is off by the same throughout, within the noise of each sensor.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Of the whole drive or a part.
+    errors : sequence of ndarray
+        Of its columns.
+
+    """
+    errors = list(errors)
+    for name in campaign.signals:
+        own = [(index, column, column.rows(None)) for index, column in enumerate(campaign.columns)
+               if column.signal == name]
+        total = sum(float(np.sum((errors[index] * column.trust**2)[rows]) / column.scale)
+                    for index, column, rows in own)
+        count = sum(float(np.sum(column.trust[rows]**2)) for _, column, rows in own)
+        noise = min(campaign.replays[column.log].noise[name] for _, column, _ in own)
+        off = float(np.clip(total / max(count, 1e-30), -noise, noise))
+        for index, column, _ in own:
+            errors[index] = errors[index] - off * column.scale
     return errors

@@ -1,13 +1,15 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that step between two rows, on machines of the independent generator."""
+"""Steps between two rows and zeros of sensors, on machines of the independent generators."""
+from dataclasses import replace
+from test.measure.test_circuit import campaign as closed_campaign
 from test.truth import make_campaign
 
 from bench.campaigns import run_of
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.judge import CLEAN_RATIO, judged, unexplained
-from hst_drive.identify.late_steps import in_time
 from hst_drive.identify.part import campaign_of
+from hst_drive.identify.recording import in_time
 from hst_drive.rig import parse_rig
 import numpy as np
 import pytest
@@ -46,3 +48,20 @@ def test_what_is_missing_does_not_go_into_the_time_of_steps(effects):
     before = worst(campaign, fitted, False)
     assert worst(campaign, fitted, True) > 0.95 * before
     assert bool(unexplained(campaign, fitted, {}, None)) == bool(effects)
+
+
+@pytest.mark.parametrize('noises, explained', [
+    (0.0, True), (1.0, True), (-1.0, True), (2.0, False)])
+def test_a_zero_within_the_noise_of_a_sensor_is_no_physics(tmp_path, noises, explained):
+    """Two gauges of a closed circuit, whose noise is 0.3 bar, are off in opposite directions."""
+    rig, logs, _ = closed_campaign(tmp_path, '--circuit', 'closed', '--kind', 'none',
+                                   '--seed', '100')
+    runs = [replace(run, channels={
+        **run.channels, 'line_a_pressure': run['line_a_pressure'] - noises * 0.3e5,
+        'line_b_pressure': run['line_b_pressure'] + noises * 0.3e5})
+        for run in (logs['drilling'], logs['sweep'])]
+    campaign = campaign_of(rig, runs)
+    fitted = calibrated(campaign)
+    own, there = judged(campaign, fitted)
+    assert (max(own.ratios(there.errors, None).values()) > 1.5) == (noises != 0.0)
+    assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
