@@ -21,7 +21,7 @@ from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
-from hst_drive.identify.conditions import faults_of, outside
+from hst_drive.identify.conditions import outside
 from hst_drive.identify.fit import at_limit, Fit, fit, settled
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, judged
@@ -109,7 +109,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
-                    campaign.own_past, tuple(faults_of(rig))).strip()
+                    campaign.own_past, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
             *mend, odd, said, several, '' if or_none else limits(verdict, limited),

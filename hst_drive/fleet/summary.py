@@ -162,8 +162,7 @@ def _machine(name: str, lives: Lives, limits: Limits) -> Machine:
 
 
 def _state(entries: Sequence[Followed], last: dict | None) -> str:
-    reaches = [entry.remaining for entry in entries if entry.remaining]
-    if any(found.reached > 0.5 for found in reaches):
+    if any(entry.remaining and entry.remaining.reached > 0.5 for entry in entries):
         return REACHED
     if any(math.isfinite(entry.due) for entry in entries):
         return AHEAD
@@ -205,11 +204,11 @@ def _history(days: Sequence[float], sizes: Sequence[dict], rows: Sequence[dict])
     thin -= np.median(thin)
     power, sigma = _power(rows)
     usual = np.exp(-power * thin)
-    by_power = np.polyfit(POWERS, np.exp(-np.outer(POWERS, thin))
-                          * np.array([size['by_power'] for size in sizes]).T, 2)
+    bend, slope, level = np.polyfit(POWERS, np.exp(-np.outer(POWERS, thin)) * np.array(
+        [size['by_power'] for size in sizes]).T, 2)
     return History(
-        np.array(days), by_power[0] * power**2 + by_power[1] * power + by_power[2],
-        usual * sigmas, thinner=(2.0 * by_power[0] * power + by_power[1]) * sigma,
+        np.array(days), (bend * power + slope) * power + level, usual * sigmas,
+        thinner=(2.0 * bend * power + slope) * sigma,
         offset=float(np.median(usual * offsets)))
 
 

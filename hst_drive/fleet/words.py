@@ -103,7 +103,7 @@ def due(entry: Followed) -> str:
         return 'reached already'
     if low > end:
         return f'not within {_FAR:g} years'
-    if middle > end or entry.growth.kind == 'not clear':
+    if entry.due > end:
         return f'not before {day(low)}'
     if high > end:
         return f'about {day(middle)} (not before {day(low)}; perhaps much later)'

@@ -242,7 +242,7 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
         return ()
     moves = np.diff(finite)
     changes, moves = np.abs(moves), moves[moves != 0.0]
-    scatters = np.mean(moves[1:] * moves[:-1] < 0.0) > _SCATTERS
+    scatters = np.count_nonzero(moves[1:] * moves[:-1] < 0.0) > _SCATTERS * len(moves)
     far = max(ends, key=abs) if scatters else None
     jump = max(_JUMP * float(np.median(changes[changes > 0])), _STEPS * resolution)
     found = []
