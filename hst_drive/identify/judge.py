@@ -9,12 +9,12 @@ block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence
+from typing import Mapping, NamedTuple
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.recording import at_zero, in_time
+from hst_drive.identify.recording import alike, at_zero, in_time
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
@@ -161,19 +161,24 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     Held-out logs may not visit where something is missing: then the logs that were fitted show
     it. These hold what is hard to replay, so that more may remain on them. What a model may leave
     beyond its floor does not grow with that: ringing hides no error. When between two rows a
-    command stepped, and what a sensor reads at zero, is not known (``recording``).
+    command stepped, and what a sensor reads at zero, is not known; and what no two rows have in
+    common is noise, more of it than the floors know (``recording``).
     """
     own, fitted = judged(campaign, model)
-    left = _beyond(campaign, own, fitted.errors, done, held_out)
-    return left and _beyond(campaign, own, at_zero(own, in_time(own, fitted.errors)), done,
-                            held_out)
+    left = _beyond(campaign, own, own.ratios(fitted.errors, held_out), done, held_out)
+    if not left:
+        return left
+    errors = at_zero(own, in_time(own, fitted.errors))
+    return _beyond(campaign, own, {
+        name: min(ratio, np.sqrt(1.0 + alike(own, errors, name, held_out)))
+        for name, ratio in own.ratios(errors, held_out).items()}, done, held_out)
 
 
-def _beyond(campaign: Campaign, own: Campaign, errors: Sequence[np.ndarray],
+def _beyond(campaign: Campaign, own: Campaign, ratios: Mapping[str, float],
             done: Mapping[str, float], held_out: bool | None) -> dict[str, float]:
     clean = CLEAN_FITTED if held_out is False else CLEAN_RATIO
     left = {}
-    for name, ratio in own.ratios(errors, held_out).items():
+    for name, ratio in ratios.items():
         common = _squared_floors(campaign, own, name, held_out)
         if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
                        + common * (FORMULA_ERROR * done.get(name, 0.0))**2):

@@ -1,11 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a recording leaves open, and no physics explains: when a command stepped, and zeros.
+What a recording leaves open, and no physics explains: when a command stepped, zeros, scatter.
 
 A recorder that reads commands once a row shows a step up to a row late, each by another part of
 it. What all have in common is in the lags of the actuators. A sensor's zero is known no better
-than it scatters.
+than it scatters. Its scatter may grow with what it reads; but no two rows are alike in it.
 """
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from typing import Sequence
 
 from hst_drive.identify.campaign import Campaign
 import numpy as np
+
+_LONGEST = 0.5      # s: physics shows within it
 
 
 def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -72,3 +74,44 @@ def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
         for index, column, _ in own:
             errors[index] = errors[index] - off * column.scale
     return errors
+
+
+def alike(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
+          held_out: bool | None) -> float:
+    """
+    Return the part of a signal's mean square error that lasts longer than a row.
+
+    The largest autocovariance over lags to half a second: white noise has none.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Of the whole drive or a part.
+    errors : sequence of ndarray
+        Of its columns.
+    name : str
+        The signal.
+    held_out : bool or None
+        Rows to judge on or to fit on; None for both.
+
+    Returns
+    -------
+    float
+        In squared floors; infinite for operating points, which have no order.
+
+    """
+    total, count = 0.0, 0
+    for error, column in zip(errors, campaign.columns):
+        if column.signal != name:
+            continue
+        replay, rows = campaign.replays[column.log], column.rows(held_out)
+        first = replay.apart(name)
+        if not first:
+            return np.inf
+        own, judged = np.zeros((2, len(error)))
+        own[rows], judged[rows] = (error * column.trust)[rows], 1.0
+        lags = range(first, max(first, int(_LONGEST / replay.run.sample_time)) + 1)
+        total += len(rows) * max(
+            abs(own[lag:] @ own[:-lag]) / max(judged[lag:] @ judged[:-lag], 1.0) for lag in lags)
+        count += len(rows)
+    return total / count

@@ -37,6 +37,7 @@ _LEAST_ROWS = 12
 _CREEPING = 0.05
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
 _UNKNOWN = 0.05         # of what a smoothed row is made of
+_APART = 5.0            # deviations of the Gaussian, from which on rows share no noise
 
 
 class PartReplay:
@@ -206,6 +207,10 @@ class PartReplay:
             found.append(predicted(self.balances[name], model, known, self._channels,
                                    Weak(self.run.time, np.asarray, rate)))
         return float(np.median(np.abs(found[1] - found[0]))), source
+
+    def apart(self, name: str) -> int:
+        """Return from how many rows on errors share no noise; 0: rows have no order."""
+        return 0 if self.static else max(int(np.ceil(_APART * self._widths[name])), 1)
 
     def _smooth(self, values: Any, name: str) -> np.ndarray:
         values = np.broadcast_to(np.asarray(values, dtype=float), len(self.run)).copy()

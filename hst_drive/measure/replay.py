@@ -236,6 +236,10 @@ class Replay(RecordedLoad):
         valid = np.isfinite(self.run[name])
         return valid & ~self.at_rest if self.can_correct and name == self.torque else valid
 
+    def apart(self, name: str) -> int:
+        """Return from how many rows on errors share no noise."""
+        return 1
+
     def of_load(self) -> Replay:
         """Return a replay of the load alone: it meets the measured speed, nothing is simulated."""
         alone = copy.copy(self)

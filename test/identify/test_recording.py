@@ -1,7 +1,8 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps between two rows and zeros of sensors, on machines of the independent generators."""
+"""Steps between two rows, zeros and scatter of sensors, on machines of the independent generators."""
 from dataclasses import replace
+from test.diagnose import benches
 from test.measure.test_circuit import campaign as closed_campaign
 from test.truth import make_campaign
 
@@ -64,4 +65,19 @@ def test_a_zero_within_the_noise_of_a_sensor_is_no_physics(tmp_path, noises, exp
     fitted = calibrated(campaign)
     own, there = judged(campaign, fitted)
     assert (max(own.ratios(there.errors, None).values()) > 1.5) == (noises != 0.0)
+    assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
+
+
+@pytest.mark.parametrize('rows, explained', [(1, True), (30, False)])
+def test_scatter_that_grows_with_what_is_read_is_no_physics(rows, explained):
+    """A torque meter scatters by 2 % of its reading; or it is off by as much for 0.3 s each."""
+    run = benches.motor_bench(seed=6)
+    random = np.random.default_rng(6)
+    scatter = np.repeat(random.standard_normal(len(run) // rows), rows)
+    run = replace(run, channels={**run.channels, 'motor_torque':
+                                 run['motor_torque'] * (1.0 + 0.02 * scatter)})
+    campaign = campaign_of(benches.motor_rig(), [run])
+    fitted = calibrated(campaign)
+    own, there = judged(campaign, fitted)
+    assert max(own.ratios(there.errors, None).values()) > CLEAN_RATIO
     assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
