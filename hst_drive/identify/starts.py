@@ -3,7 +3,7 @@
 """Where the fit of an effect starts: the error may have several valleys."""
 from __future__ import annotations
 
-from typing import Iterator, Mapping, Sequence
+from typing import Iterable, Iterator, Mapping, Sequence
 
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
@@ -20,9 +20,9 @@ _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
 
 def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
-           alone: Mapping[str, float] | None) -> list[Model]:
+           alone: Mapping[str, float] | None) -> tuple[list[Model], list[Model]]:
     """
-    Return models to fit from, those that promise most.
+    Return models to fit from: those that promise most, and others for where these lead far.
 
     Typical size and a third of it, what the effect is alone, and where its declaration says, or
     the order of the swings that are left. Where it is not fitted yet, it starts with the size that
@@ -49,31 +49,40 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [base.with_effect(name, {**values, effect.order: float(entry)})
-                for entry in found] or [base.with_effect(name, values)]
-    shapes = [{**values, size: off + share * (values[size] - off)} for share in (1.0, _LESS)]
+                for entry in found] or [base.with_effect(name, values)], []
     # In logs of a part what a whole drive alone can tell stays as it is.
-    declared = [{**values, **entry} for entry in effect.starts if 'parts' not in campaign.searched
+    declared = [entry for entry in effect.starts if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
+
+    def promising(shapes: Iterable[Mapping[str, float]], fitted: Sequence[Model] = ()):
+        return list(_promising(campaign, factors, base, name, [
+            base.with_effect(name, {**values, **entry}) for entry in shapes], fitted))
+
     if len(declared) > _MANY:
-        near = _near(campaign, base, [base.with_effect(name, entry) for entry in declared])
+        near = _near(campaign, base, [base.with_effect(name, {**values, **entry})
+                                      for entry in declared])
         if not near:
-            return [base.with_effect(name, values)]
+            return [base.with_effect(name, values)], []
         # Without a torque all are near: beside others so many simulations take too long.
         told = near if alone is None or len(near) <= _NEAR else []
-        fitted, shapes = [*told, *fitted], []
+        tried = promising([], [*told, *fitted])
     else:
-        shapes += declared
+        tried = promising({size: off + share * (values[size] - off)} for share in (1.0, _LESS))
+        # What stalls the drive in the model says nothing of a shape.
+        usual = min(tried, key=lambda entry: entry[0])[1].effects[name][size]
+        tried += promising([{size: usual, **entry} for entry in declared], fitted)
     kept: dict[int, tuple[float, Model]] = {}
-    for promise, model in _promising(campaign, factors, base, name, [
-            base.with_effect(name, entry) for entry in shapes], fitted):
+    for promise, model in tried:
         # What is as good as one that comes before is not told from it by noise.
         kept.setdefault(round(np.log(max(promise, 1.0)) / _ALIKE), (promise, model))
     first = next(iter(kept.values()))[1]
-    best = sorted(kept.values(), key=lambda entry: entry[0])
-    chosen = [model for _, model in best[:2 if effect.starts else 1]]
+    best = [model for _, model in sorted(kept.values(), key=lambda entry: entry[0])]
+    if not effect.starts:
+        return best[:1], []
     # Where the error has several valleys a start does not tell how deep its own is.
-    return chosen if not effect.starts or first in chosen else [*chosen, first]
+    few = best[:2] if first in best[:2] else [*best[:2], first]
+    return few, [model for model in best if model not in few]
 
 
 def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,

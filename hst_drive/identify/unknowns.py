@@ -26,8 +26,8 @@ class Unknowns:
     The unknowns of a model as a vector.
 
     A factor counts in tolerances, a parameter of an effect in its typical size (one that is
-    typically 0 in the greatest it may have, if that is below 1). What is in
-    ``kept``, (effect, parameter) or ('', factor), stays as the model has it.
+    typically 0 in the greatest it may have). What is in ``kept``, (effect, parameter) or
+    ('', factor), stays as the model has it.
 
     Where factors are known together (``Campaign.ties``), the unknowns are those mixtures that are
     independent, each the nearest to its factor: the root of the correlation is symmetric. So the
@@ -56,7 +56,7 @@ class Unknowns:
         if not effect:
             return self.tolerances[key]
         parameter = self._parameter(effect, key)
-        return abs(parameter.typical) or min(parameter.high, 1.0)
+        return abs(parameter.typical) or parameter.high
 
     def _limits(self, effect: str, key: str) -> tuple[float, float]:
         if not effect:
