@@ -105,18 +105,11 @@ class Search:
         names, start = task
         # Sizes first: a shape that is free from the start may end far from what it could be.
         shapes = shapes_of(names)
-        few, others = self._starts(names, start.model)
-
-        def fitted(models: Sequence[Model]) -> list[Fit]:
-            return [fit(self.campaign, model, known=start.columns, kept=shapes)
-                    for model in models]
-
-        found = fitted(few)
+        found = [fit(self.campaign, model, known=start.columns, kept=shapes)
+                 for model in self._starts(names, start.model)]
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.
-            found += fitted(others)
-            best = min(found, key=lambda item: item.cost)
             best = min((fit(self.campaign, item.model, iterations=3, known=item.columns,
                             kept=shapes)
                         for item in found if item.cost < _NEAR * best.cost),
@@ -127,11 +120,10 @@ class Search:
         free = self.candidate(names, fit(self.campaign, best.model, known=best.columns))
         return min(sized, free, key=lambda item: item.score)
 
-    def _starts(self, names: Sequence[str],
-                start: Model) -> tuple[list[Model], list[Model]]:
+    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
         new = next((name for name in names if name not in start.effects), None)
         if new is None:
-            return [start], []
+            return [start]
         alone = self._known.get((new,))
         return starts(self.campaign, self.base.jacobian, start, new,
                       alone.fit.model.effects[new] if alone else None)

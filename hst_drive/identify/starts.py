@@ -20,9 +20,9 @@ _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
 
 def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
-           alone: Mapping[str, float] | None) -> tuple[list[Model], list[Model]]:
+           alone: Mapping[str, float] | None) -> list[Model]:
     """
-    Return models to fit from: those that promise most, and others for where these lead far.
+    Return models to fit from, those that promise most.
 
     Typical size and a third of it, what the effect is alone, and where its declaration says, or
     the order of the swings that are left. Where it is not fitted yet, it starts with the size that
@@ -49,7 +49,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [base.with_effect(name, {**values, effect.order: float(entry)})
-                for entry in found] or [base.with_effect(name, values)], []
+                for entry in found] or [base.with_effect(name, values)]
     # In logs of a part what a whole drive alone can tell stays as it is.
     declared = [entry for entry in effect.starts if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
@@ -63,7 +63,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         near = _near(campaign, base, [base.with_effect(name, {**values, **entry})
                                       for entry in declared])
         if not near:
-            return [base.with_effect(name, values)], []
+            return [base.with_effect(name, values)]
         # Without a torque all are near: beside others so many simulations take too long.
         told = near if alone is None or len(near) <= _NEAR else []
         tried = promising([], [*told, *fitted])
@@ -79,10 +79,9 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     first = next(iter(kept.values()))[1]
     best = [model for _, model in sorted(kept.values(), key=lambda entry: entry[0])]
     if not effect.starts:
-        return best[:1], []
+        return best[:1]
     # Where the error has several valleys a start does not tell how deep its own is.
-    few = best[:2] if first in best[:2] else [*best[:2], first]
-    return few, [model for model in best if model not in few]
+    return best[:2] if first in best[:2] else [*best[:2], first]
 
 
 def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,

@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Steps between two rows, zeros and scatter of sensors, on machines of the independent generators."""
+"""Steps between two rows, zeros and scatter, on machines of the independent generators."""
 from dataclasses import replace
 from test.diagnose import benches
 from test.measure.test_circuit import campaign as closed_campaign
