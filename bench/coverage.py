@@ -18,7 +18,7 @@ from bench.score import wilson
 from bench.sizes import SAME, true_size
 from hst_drive.cli.output import table
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import settled
+from hst_drive.identify.fit import for_sizes
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.search import Search
 from hst_drive.identify.standing import forms
@@ -39,7 +39,7 @@ def sized(effect: str, seed: int) -> dict:
     rig, runs, held_out = as_runs(made)
     search = Search(Campaign(rig, runs, held_out), (effect,))
     best = search.refine(search.single(effect))
-    campaign, fitted = settled(search.campaign, best.fit)
+    campaign, fitted = for_sizes(search.campaign, best.fit)
     low, high = intervals(campaign, fitted, forms(search, best))[effect, key]
     true = true_size(effect, made, rig)
     low, high = sorted((low / true, high / true))

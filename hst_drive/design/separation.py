@@ -122,7 +122,7 @@ class Rehearsal:
         differences = {}
         for place, column in enumerate(columns):
             if column.signal in channels:
-                error, floor = (left[place] * column.trust)[column.rows(None)], 1.0 / column.scale
+                error, floor = (left[place] * column.weight)[column.rows(None)], 1.0 / column.scale
                 rms = float(np.sqrt(np.mean(error**2))) if len(error) else 0.0
                 differences[column.signal] = Difference(
                     rms * floor, rms, float(np.max(np.abs(error), initial=0.0)) * floor)
@@ -133,7 +133,7 @@ class Rehearsal:
                  channels: Container[str]) -> list[np.ndarray]:
         """Return errors of all rows that count as vectors, weighted for their correlation."""
         return [np.concatenate([np.zeros(0), *(
-            (move[place] * column.trust)[column.rows(None)] * self._campaign.thinning(column)
+            (move[place] * column.weight)[column.rows(None)] * self._campaign.thinning(column)
             for place, column in enumerate(self._campaign.columns)
             if column.signal in channels)]) for move in moves]
 

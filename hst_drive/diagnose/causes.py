@@ -19,7 +19,7 @@ from typing import Callable, Container, Iterator, Mapping, NamedTuple
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.dependence import STATIC
 from hst_drive.diagnose.free_forms import (
-    better, beyond_noise, faint, Freer, PATIENT, told_as, Trial)
+    better, beyond_noise, described, FreeForm, PATIENT, Trial, with_start)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
@@ -89,7 +89,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
                 f"as much as {' and '.join(best.names)} together" if len(best.names) > 1 else
                 f'more than {best.names[0]}')
             return Unlisted(f'{trial.what} alone explains {said}',
-                            told_as(search.campaign, lambda: search.base, trial))
+                            described(search.campaign, lambda: search.base, trial))
     return None
 
 
@@ -104,13 +104,13 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
         search, best, alone, freed, left)
 
 
-def misreadings(campaign: Campaign) -> Iterator[Freer]:
+def misreadings(campaign: Campaign) -> Iterator[FreeForm]:
     """Yield what the readings of a campaign may be off by: a zero and a span."""
     for signal in _READINGS:
         variable, title = STATIC[signal], CHANNELS[signal].title
         formula = f'formula_{variable}_reading'
         if signal in campaign.signals and formula not in campaign.rig.effects:
-            yield Freer(
+            yield FreeForm(
                 f'a wrong zero or span in the reading of {title}', formula, ((), (variable,)),
                 Unknown('sensor', signal, (signal,),
                         f'reading of {title} [{CHANNELS[signal].unit}]'))
@@ -119,12 +119,12 @@ def misreadings(campaign: Campaign) -> Iterator[Freer]:
 def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
     """Yield readings that are wrong in zero and span, but for that of which an effect says so."""
     said = {catalogue()[name].slot for name in best.names} if len(best.names) == 1 else {}
-    for freer in misreadings(search.campaign):
-        if FORMULAS[freer.formula].slot in said:
+    for free_form in misreadings(search.campaign):
+        if FORMULAS[free_form.formula].slot in said:
             continue
         # From the datasheet: a unit calibrated without the cause has strayed to make up for it.
-        yield _Cause(search.campaign, faint(Model(), freer), search.base.columns,
-                     lambda found, freer=freer: Trial(freer.what, found, freer.unknown, freer))
+        yield _Cause(search.campaign, with_start(Model(), free_form), search.base.columns,
+                     lambda found, form=free_form: Trial(form.what, found, form.unknown, form))
 
 
 def _mistaken(search: Search) -> Iterator[_Cause]:

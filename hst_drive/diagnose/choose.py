@@ -16,8 +16,8 @@ from hst_drive.identify.weigh import log_odds, weigh
 import numpy as np
 
 
-def given_answer(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-                 verdict: str) -> Probability:
+def posterior(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
+              verdict: str) -> Probability:
     """
     Return how probable each set is, given the answer, too: it knows which rows were held out.
 

@@ -11,20 +11,20 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.choose import given_answer, instead_of_the_unit, likeliest, rivals_of
+from hst_drive.diagnose.choose import instead_of_the_unit, likeliest, posterior, rivals_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
-from hst_drive.diagnose.unlisted import Unlisted, unlisted_beside, unlisted_instead
+from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import outside
-from hst_drive.identify.fit import at_limit, Fit, fit, settled
+from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes
 from hst_drive.identify.intervals import intervals
-from hst_drive.identify.judge import excess, judged
+from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
@@ -109,7 +109,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
-                    campaign.own_past, tuple(campaign.faults)).strip()
+                    campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
             *mend, odd, said, several, '' if or_none else limits(verdict, limited),
@@ -121,7 +121,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
         calibration=_calibration(campaign, best.fit),
-        probability=given_answer(search, best, rivals, verdict), unknown=remaining,
+        probability=posterior(search, best, rivals, verdict), unknown=remaining,
         next_test=_measure(search, best, limited) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),
@@ -163,12 +163,12 @@ def _explained(search: Search) -> tuple[
     more = one_cause(search, best, left)
     if more:
         best = search.baseline
-    better = unlisted_instead(search, best)
+    better = unlisted_replacement(search, best)
     if better:
         best = standing(search, without(search, best, better))
     left = search.unexplained(best)
     if not (more or better):
-        found, more = unlisted_beside(search, best, left)
+        found, more = unlisted_addition(search, best, left)
         if found is not best:
             best, left = found, search.unexplained(found)
     return best, left, better, more
@@ -189,7 +189,7 @@ def _found(search: Search, best: Candidate, order: Sequence[str],
            rivals: Mapping[str, tuple[str, ...]], ladder: Sequence[Step]) -> tuple[Found, ...]:
     """Return the effects of a set with their sizes and intervals."""
     campaign = search.campaign
-    sized, sizes = settled(campaign, best.fit)
+    sized, sizes = for_sizes(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
     return tuple(Found(
         name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
@@ -219,10 +219,10 @@ def _order(search: Search, best: Candidate) -> list[str]:
 def _ladder(search: Search, best: Candidate, order: Sequence[str],
             sheet: Fit) -> tuple[Step, ...]:
     def step(added: str, fitted: Fit) -> Step:
-        own, model = judged(search.campaign, fitted)
+        own, model = over_own_floors(search.campaign, fitted)
         return Step(added, own.ratios(model.errors, False), own.ratios(model.errors, True))
 
-    first = 'commissioned unit' if search.campaign.own_past else 'datasheet'
+    first = 'commissioned unit' if search.campaign.commissioned_unit else 'datasheet'
     steps = [step(first, sheet), step('calibrated unit', search.base)]
     for count in range(1, len(order) + 1):
         names = tuple(sorted(order[:count]))

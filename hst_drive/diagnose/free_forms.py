@@ -22,10 +22,10 @@ import numpy as np
 
 _REST = 0.25            # of the excess squared error: who leaves more explains something else
 PATIENT = 8             # steps of a fit that begins far from where it ends
-_FAINT = 1e-3           # of a formula's typical size: where its fit starts
+_START = 1e-3           # of a formula's typical size: where its fit starts
 
 
-class Freer(NamedTuple):
+class FreeForm(NamedTuple):
     """
     A formula that is tried: what it is, its effect, terms, and what it would be told as.
 
@@ -42,29 +42,30 @@ class Trial(NamedTuple):
     """
     Something that is not listed: what it is, its fit, and what it would be told as.
 
-    ``freer`` is the formula that carries it, if one does.
+    ``free_form`` is the formula that carries it, if one does.
     """
 
     what: str
     fit: Fit
     unknown: Unknown | None
-    freer: Freer | None = None
+    free_form: FreeForm | None = None
 
 
-def faint(model: Model, freer: Freer) -> Model:
+def with_start(model: Model, form: FreeForm) -> Model:
     """Return a model with next to nothing of a formula, where its fit starts."""
-    size = _FAINT * FORMULAS[freer.formula].size.typical
-    return model.with_effect(freer.formula, values(
-        freer.formula, [(size, term) for term in freer.terms]))
+    size = _START * FORMULAS[form.formula].size.typical
+    return model.with_effect(form.formula, values(
+        form.formula, [(size, term) for term in form.terms]))
 
 
-def fitted_freer(campaign: Campaign, model: Model, freer: Freer,
-                 known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
-                 ) -> Trial | None:
+def fitted_free_form(campaign: Campaign, model: Model, form: FreeForm,
+                     known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
+                     ) -> Trial | None:
     """Fit a model with a formula; None if the rig has adopted that already."""
-    if freer.formula in campaign.rig.effects:
+    if form.formula in campaign.rig.effects:
         return None
-    return Trial(freer.what, fit(campaign, faint(model, freer), known=known), freer.unknown, freer)
+    fitted = fit(campaign, with_start(model, form), known=known)
+    return Trial(form.what, fitted, form.unknown, form)
 
 
 def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
@@ -99,11 +100,11 @@ def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:
         f'leaves {100 * share:.0f} % less squared error of {CHANNELS[signal].title}')
 
 
-def told_as(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:
+def described(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:
     """Return what a trial would be told as, with the formula to adopt over a bare model."""
-    if trial.unknown is None or trial.freer is None:
+    if trial.unknown is None or trial.free_form is None:
         return trial.unknown
-    formula, terms = trial.freer.formula, trial.freer.terms
+    formula, terms = trial.free_form.formula, trial.free_form.terms
     own = trial.fit.model.effects[formula]
     return trial.unknown._replace(
         expression=written(trial.unknown.expression, [

@@ -122,7 +122,7 @@ def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]
     logs: list[dict[str, np.ndarray]] = [{} for _ in campaign.replays]
     for error, column in zip(model.errors, campaign.columns):
         clean, used = np.zeros(len(error)), column.rows(None)
-        clean[used] = np.clip(error * column.trust, -50, 50)[used]
+        clean[used] = np.clip(error * column.weight, -50, 50)[used]
         logs[column.log][column.signal] = smooth(campaign, column.log, clean)
     return logs
 

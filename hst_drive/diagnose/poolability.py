@@ -11,7 +11,7 @@ is explained, but not all by one unit, they may be of several drives.
 from __future__ import annotations
 
 from hst_drive.diagnose.causes import misreadings
-from hst_drive.diagnose.free_forms import faint, PATIENT
+from hst_drive.diagnose.free_forms import PATIENT, with_start
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit
@@ -32,10 +32,10 @@ def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
         if _left(others, unit):
             continue
         alone = campaign.of_logs(lambda index: index == log, all_to_fit=True)
-        for freer in misreadings(campaign):
-            start = faint(unit.model, freer)
+        for free_form in misreadings(campaign):
+            start = with_start(unit.model, free_form)
             if not _left(alone, fit(alone, start, iterations=PATIENT)):
-                return log, freer.what
+                return log, free_form.what
     return None
 
 

@@ -19,7 +19,7 @@ from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
-from hst_drive.identify.judge import gain, judged, parts, PRACTICAL, unexplained
+from hst_drive.identify.judge import gain, over_own_floors, parts, PRACTICAL, unexplained
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
@@ -55,7 +55,7 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
 
     """
     left = sure or any(unexplained(campaign, model, {}, part) for part in parts(campaign))
-    campaign, model = judged(campaign, model)
+    campaign, model = over_own_floors(campaign, model)
     location = locate(campaign, model) if left else None
     if location is None:
         return None

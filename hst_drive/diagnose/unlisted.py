@@ -15,7 +15,7 @@ from typing import Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
-    better, fitted_freer, Freer, how_much_better, told_as, Trial)
+    better, described, fitted_free_form, FreeForm, how_much_better, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
@@ -32,11 +32,11 @@ from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the timing and the unit in turn
 # Slot of an effect: what is tried in its place.
-_FREER = {
-    **dict.fromkeys(('pump_flow_loss', 'pump_speed'), Freer(
+_FREE_FORMS = {
+    **dict.fromkeys(('pump_flow_loss', 'pump_speed'), FreeForm(
         'a leakage that goes with pressure and pump command', 'formula_pump_flow',
         (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump')))),
-    'pump_command': Freer(
+    'pump_command': FreeForm(
         'a bent curve of the flow meter', 'formula_flow_reading', (('flow',), ('flow', 'flow')),
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
                 'flow reading [m^3/s]')),
@@ -44,16 +44,16 @@ _FREER = {
 # In the place of several effects that pressure shows: together they imitate much.
 _SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
 _OF_WARMTH = (
-    Freer('a torque that goes with the oil temperature alone', 'formula_torque',
-          ((), ('warmth',), ('warmth', 'warmth')),
-          Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
-                  'torque of the hydromotor [N.m]')),
-    Freer('a reading of load torque that goes with the oil temperature', 'formula_torque_reading',
-          ((), ('warmth',), ('torque', 'warmth')),
-          Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]')))
+    FreeForm('a torque that goes with the oil temperature alone', 'formula_torque',
+             ((), ('warmth',), ('warmth', 'warmth')),
+             Unknown('torque', 'pump_outlet_pressure', ('oil_temperature',),
+                     'torque of the hydromotor [N.m]')),
+    FreeForm('a reading of load torque that goes with the oil temperature',
+             'formula_torque_reading', ((), ('warmth',), ('torque', 'warmth')),
+             Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]')))
 # The same beside all that was found: rough rock hides what comes back with each turn.
-_BESIDE = Freer('a load that goes with the angle of the shaft', 'formula_load',
-                (('torque', 'cosine'), ('torque', 'sine')))
+_LOAD_BY_ANGLE = FreeForm('a load that goes with the angle of the shaft', 'formula_load',
+                          (('torque', 'cosine'), ('torque', 'sine')))
 
 
 class Unlisted(NamedTuple):
@@ -68,7 +68,7 @@ class Unlisted(NamedTuple):
     unknown: Unknown | None
 
 
-def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
+def unlisted_replacement(search: Search, best: Candidate) -> dict[str, Unlisted]:
     """
     Return the effects of a set in whose place something fits better that is not listed.
 
@@ -86,7 +86,7 @@ def unlisted_instead(search: Search, best: Candidate) -> dict[str, Unlisted]:
             found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place '
                 f'{how_much_better(search, best, trial.fit)}',
-                told_as(search.campaign, lambda: without(search, best, [name]).fit, trial))
+                described(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best, left)
 
 
@@ -100,20 +100,20 @@ def _of_warmth(search: Search, best: Candidate,
     model = best.fit.model
     for name in names:
         model = model.without(name)
-    trials = [trial for freer in _OF_WARMTH if freer.unknown.signal in search.campaign.signals
-              for trial in [fitted_freer(search.campaign, model, freer)] if trial]
+    trials = [trial for form in _OF_WARMTH if form.unknown.signal in search.campaign.signals
+              for trial in [fitted_free_form(search.campaign, model, form)] if trial]
     # Of what explains as much one cause is a better answer than several.
     trial = _best(search, best, trials, left, simpler=True)
     if not trial:
         return {}
-    unknown = told_as(search.campaign, lambda: without(search, best, names).fit, trial)
+    unknown = described(search.campaign, lambda: without(search, best, names).fit, trial)
     return dict.fromkeys(names, Unlisted(
         f'together come near, but {trial.what} in their place '
         f'{how_much_better(search, best, trial.fit)}', unknown))
 
 
-def unlisted_beside(search: Search, best: Candidate,
-                    left: Container[str]) -> tuple[Candidate, Unlisted | None]:
+def unlisted_addition(search: Search, best: Candidate,
+                      left: Container[str]) -> tuple[Candidate, Unlisted | None]:
     """
     Return a set, and what fits better beside it and is not listed; None if nothing does.
 
@@ -123,7 +123,7 @@ def unlisted_beside(search: Search, best: Candidate,
     """
     if search.campaign.by_balance:
         return best, None
-    trial = _best(search, best, [*_beside(search, best, left)], left)
+    trial = _best(search, best, [*_additions(search, best, left)], left)
     if trial is None:
         return best, None
     again = search.restarted(best, trial.fit)
@@ -142,26 +142,26 @@ def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Contai
                  if better(search, best, trial.fit, search.campaign, left, simpler)), None)
 
 
-def _beside(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:
-    yield _answered(search, best.fit, ONE_WAY_SLOWER)
+def _additions(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:
+    yield _timed(search, best.fit, ONE_WAY_SLOWER)
     if left:
         # A dead time of a few milliseconds may be the logger's.
-        yield _answered(search, best.fit, DEAD_TIME)
+        yield _timed(search, best.fit, DEAD_TIME)
         # The torque's reading goes into the replay: late, it spoils the other signals.
         for name in LATE_READINGS:
             if name in left or name == search.campaign.replays[0].torque:
-                yield _answered(search, best.fit, reads_late(name))
+                yield _timed(search, best.fit, reads_late(name))
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = fitted_freer(turned, best.fit.model, _BESIDE, known=search.base.columns)
+    trial = fitted_free_form(turned, best.fit.model, _LOAD_BY_ANGLE, known=search.base.columns)
     if not trial:
         return
     if turned.replays[0].torque not in turned.signals:
         # Where no load is recorded what is left cannot say that it is one.
         seen = trial._replace(unknown=Unknown(
             'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]'))
-        trial = trial._replace(unknown=told_as(turned, lambda: best.fit, seen))
+        trial = trial._replace(unknown=described(turned, lambda: best.fit, seen))
     yield trial
 
 
@@ -171,16 +171,16 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
     for error, column in zip(fitted.errors, campaign.columns):
         if column.signal == campaign.replays[column.log].torque:
             read = column.rows(None)
-            found[column.log][read] = -(error * column.trust)[read]
+            found[column.log][read] = -(error * column.weight)[read]
     return found
 
 
 def _formula(search: Search, best: Candidate, name: str) -> list[Trial]:
     """Fit a formula in the place of an effect, if there is one for its place."""
-    freer = _FREER.get(catalogue()[name].slot)
-    if freer is None or (freer.unknown and freer.unknown.signal not in search.campaign.signals):
+    form = _FREE_FORMS.get(catalogue()[name].slot)
+    if form is None or (form.unknown and form.unknown.signal not in search.campaign.signals):
         return []
-    trial = fitted_freer(search.campaign, best.fit.model.without(name), freer)
+    trial = fitted_free_form(search.campaign, best.fit.model.without(name), form)
     return [trial] if trial else []
 
 
@@ -189,11 +189,11 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
     if SLOTS[catalogue()[name].slot].enters != 'pump actuator':
         return []
     model = best.fit.model.without(name)
-    return [_answered(search, best.fit._replace(model=model), timing)
+    return [_timed(search, best.fit._replace(model=model), timing)
             for timing in (DEAD_TIME, ONE_WAY_SLOWER)]
 
 
-def _answered(search: Search, fitted: Fit, timing: Timing) -> Trial:
+def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
     """Fit a timing, and the unit, in turn."""
     campaign, number = search.campaign, 0.0
     for _ in range(_ROUNDS):

@@ -85,14 +85,14 @@ class Campaign:
         return [replay.floor(judge, usable) for replay, usable in zip(self.replays, self.usable)]
 
     @property
-    def own_past(self) -> bool:
+    def commissioned_unit(self) -> bool:
         """Whether the machine's own numbers were learnt on other logs (``Rig.fingerprint``)."""
         return self.rig.fingerprint is not None
 
     @property
     def odds_asked(self) -> float:
         """Log odds from which on a first effect is worth a name."""
-        return STRONG if self.own_past else CREDIBLE
+        return STRONG if self.commissioned_unit else CREDIBLE
 
     def to_record(self, models: Sequence[Model]) -> str:
         """Say what to record next to tell models apart; '' where a test can be designed."""
@@ -180,7 +180,7 @@ class Campaign:
 
         With the name of a signal: and whether it hangs on that. The load meets the measured speed.
         """
-        return any(replay.stamps > _SLOW_STAMPS for replay in self.replays
+        return any(replay.stamp_std > _SLOW_STAMPS for replay in self.replays
                    if name != replay.torque)
 
     def _spoilt(self, name: str = '') -> float:
@@ -216,7 +216,7 @@ class Campaign:
             (np.abs(weight) if all_to_fit else weight) * wanted(log)
             for log, weight in enumerate(self._weights)])
 
-    def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
+    def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
         """Return the campaign that sizes are taken from, for a model that leaves these errors."""
         return self
 
@@ -278,7 +278,7 @@ class Campaign:
 
     def training(self, errors: Sequence[np.ndarray]) -> np.ndarray:
         """Return the errors to fit on as one vector, weighted for their correlation."""
-        return np.concatenate([(error * column.trust)[column.fit] * self.thinning(column)
+        return np.concatenate([(error * column.weight)[column.fit] * self.thinning(column)
                                for error, column in zip(errors, self.columns)])
 
     def without_events(self, residual: np.ndarray) -> np.ndarray:
@@ -336,7 +336,7 @@ class Campaign:
                 if column.signal == name:
                     chosen = column.rows(held_out)
                     number = self._block[column.log][chosen]
-                    sums += np.bincount(number, (error * column.trust)[chosen]**2, total)
+                    sums += np.bincount(number, (error * column.weight)[chosen]**2, total)
                     counts += np.bincount(number, minlength=total)
             result[name] = np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
         used = np.any([np.isfinite(values) for values in result.values()], axis=0)

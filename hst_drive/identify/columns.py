@@ -13,7 +13,7 @@ class Column(NamedTuple):
     """
     One signal of one log.
 
-    ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``trust``
+    ``fit`` and ``judge`` are the samples for either; ``scale`` is one over the floor; ``weight``
     is below 1 where time stamps matter, since the signal moves fast, where no formula is sure, or
     where rock is rougher than usual.
     """
@@ -23,7 +23,7 @@ class Column(NamedTuple):
     fit: np.ndarray
     judge: np.ndarray
     scale: float
-    trust: np.ndarray
+    weight: np.ndarray
 
     def rows(self, held_out: bool | None) -> np.ndarray:
         """Return the samples to judge on or to fit on; None: both."""
@@ -49,13 +49,13 @@ def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
     """
     found = []
     for index, (replay, part) in enumerate(zip(replays, weights)):
-        stamps = np.hypot(replay.stamps, replay.unsure)
+        stamp_std = np.hypot(replay.stamp_std, replay.command_std)
         for name in replay.signals:
             valid, floor = replay.counted(name), floors[index][name]
             known = np.nan_to_num(replay.run[name], posinf=0.0, neginf=0.0)
             moving = np.gradient(gaussian_filter1d(known, 1.5), replay.run.time)
-            doubt = np.hypot(stamps * moving, replay.doubts.get(name, 0.0)) / floor
-            trust = 1.0 / np.sqrt(1.0 + doubt**2)
+            doubt = np.hypot(stamp_std * moving, replay.formula_std.get(name, 0.0)) / floor
+            weight = 1.0 / np.sqrt(1.0 + doubt**2)
             found.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
-                                np.flatnonzero(valid & (part < 0)), 1.0 / floor, trust))
+                                np.flatnonzero(valid & (part < 0)), 1.0 / floor, weight))
     return found

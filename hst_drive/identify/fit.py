@@ -80,7 +80,7 @@ def score(campaign: Campaign, fitted: Fit) -> float:
     samples = sum(len(column.fit) for column in campaign.columns)
     total = (len(own) - len({*own})) * float(np.log(max(samples, 1)))
     for error, column in zip(fitted.errors, campaign.columns):
-        judged = (error * column.trust)[column.judge] * campaign.thinning(column)
+        judged = (error * column.weight)[column.judge] * campaign.thinning(column)
         total += float(judged @ judged)
     return total + fitted.cost
 
@@ -210,9 +210,9 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
                jacobian.T @ jacobian)
 
 
-def settled(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
-    """Return the campaign that sizes are taken from (``Campaign.settled``), and the fit in it."""
-    own = campaign.settled(fitted.errors)
+def for_sizes(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
+    """Return the campaign for sizes (``Campaign.for_sizes``), and the fit in it."""
+    own = campaign.for_sizes(fitted.errors)
     if own is campaign:
         return campaign, fitted
     kept = {*Unknowns(own, fitted.model).names} - {*fitted.names}

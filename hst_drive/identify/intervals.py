@@ -60,7 +60,8 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
     inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
     residual = campaign.training(fitted.errors)
-    meat = np.diag(np.where(unit, 1.0 + between_points, prior))
+    # A factor far out in its tolerance says that this, or a formula beside it, is off by as much.
+    meat = np.diag(np.where(unit, np.maximum(vector**2, 1.0) + between_points, prior))
     meat += squared_slopes(jacobian, residual, campaign.fitted_blocks())
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:

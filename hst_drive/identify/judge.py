@@ -87,7 +87,7 @@ def contribution(campaign: Campaign, base: Fit, model: Fit,
     total: dict[str, list[float]] = {}
     for first, second, column in zip(base.errors, model.errors, campaign.columns):
         chosen = column.rows(held_out)
-        moved = ((first - second) * column.trust)[chosen]
+        moved = ((first - second) * column.weight)[chosen]
         entry = total.setdefault(column.signal, [0.0, 0.0])
         entry[0] += float(moved @ moved)
         entry[1] += len(moved)
@@ -129,7 +129,7 @@ def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:
         for name in held_out.share if name in fitted.share)
 
 
-def judged(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:
+def over_own_floors(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:
     """
     Return a campaign and a fit in it with the floors of the fitted model itself.
 
@@ -150,7 +150,7 @@ def parts(campaign: Campaign) -> tuple[bool | None, ...]:
     A machine's own numbers were learnt on other logs: then no row of these was fitted, and the
     more rows are judged the less is left to chance.
     """
-    return (None,) if campaign.own_past else (False, True)
+    return (None,) if campaign.commissioned_unit else (False, True)
 
 
 def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
@@ -164,7 +164,7 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     command stepped, and what a sensor reads at zero, is not known; and what no two rows have in
     common is noise, more of it than the floors know (``recording``).
     """
-    own, fitted = judged(campaign, model)
+    own, fitted = over_own_floors(campaign, model)
     left = _beyond(campaign, own, own.ratios(fitted.errors, held_out), done, held_out)
     if not left:
         return left

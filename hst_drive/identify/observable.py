@@ -83,7 +83,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         asked = campaign.odds_asked + (0.0 if name in campaign.faults else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
         smallest = abs(size.typical) * _crossing(lambda log_share: _named(
-            *odds(log_share), asked, campaign.own_past))
+            *odds(log_share), asked, campaign.commissioned_unit))
         reason = '' if smallest <= largest else unread(campaign, name) or (
             'in these logs even the largest one would hardly show')
         found.append(Visibility(name, smallest, reason, not reason or odds(

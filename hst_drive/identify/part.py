@@ -11,7 +11,7 @@ from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import BLOCK, Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
-from hst_drive.measure.balances import is_part, lacking, untold
+from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
@@ -97,7 +97,7 @@ class PartCampaign(Campaign):
         part[time < min(SETTLE, 0.02 * time[-1])] = 0
         return part
 
-    def settled(self, errors: Sequence[np.ndarray]) -> Campaign:
+    def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
         """
         Return a campaign of all rows, those judged on too, whose floors are what a model leaves.
 
@@ -123,8 +123,8 @@ class PartCampaign(Campaign):
         first, *rest = (replay.would_read(self.driver(model), closing) for model in models)
         apart: dict[str, float] = {}
         for signal, balance in closing.items():
-            unsure = np.hypot(untold(balance, first[signal]), CHANNELS[signal].noise * np.max(
-                np.abs(first[signal]))) + 1e-30
+            noise = CHANNELS[signal].noise * np.max(np.abs(first[signal]))
+            unsure = np.hypot(datasheet_error(balance, first[signal]), noise) + 1e-30
             apart[signal] = min(float(np.sqrt(np.mean((other[signal] - first[signal])**2)))
                                 for other in rest) / unsure
         telling = sorted((name for name, far in apart.items() if far > 1.0),

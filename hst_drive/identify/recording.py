@@ -40,7 +40,7 @@ def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
             along, square = np.zeros((2, len(starts) + 1))
             for index, column in columns:
                 rows = column.rows(None)
-                weighted = (shifts[index] * column.trust**2)[rows]
+                weighted = (shifts[index] * column.weight**2)[rows]
                 along += np.bincount(step[rows], weighted * errors[index][rows], len(along))
                 square += np.bincount(step[rows], weighted * shifts[index][rows], len(along))
             early = np.clip(-along / np.maximum(square, 1e-30), -1.0, 1.0)
@@ -66,9 +66,9 @@ def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
     for name in campaign.signals:
         own = [(index, column, column.rows(None)) for index, column in enumerate(campaign.columns)
                if column.signal == name]
-        total = sum(float(np.sum((errors[index] * column.trust**2)[rows]) / column.scale)
+        total = sum(float(np.sum((errors[index] * column.weight**2)[rows]) / column.scale)
                     for index, column, rows in own)
-        count = sum(float(np.sum(column.trust[rows]**2)) for _, column, rows in own)
+        count = sum(float(np.sum(column.weight[rows]**2)) for _, column, rows in own)
         noise = min(campaign.replays[column.log].noise[name] for _, column, _ in own)
         off = float(np.clip(total / max(count, 1e-30), -noise, noise))
         for index, column, _ in own:
@@ -109,7 +109,7 @@ def alike(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
         if not first:
             return np.inf
         own, judged = np.zeros((2, len(error)))
-        own[rows], judged[rows] = (error * column.trust)[rows], 1.0
+        own[rows], judged[rows] = (error * column.weight)[rows], 1.0
         lags = range(first, max(first, int(_LONGEST / replay.run.sample_time)) + 1)
         total += len(rows) * max(
             abs(own[lag:] @ own[:-lag]) / max(judged[lag:] @ judged[:-lag], 1.0) for lag in lags)

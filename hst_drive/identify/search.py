@@ -21,7 +21,7 @@ from hst_drive.identify.judge import (
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
-from hst_drive.identify.shapes import settled, shapes_of
+from hst_drive.identify.shapes import shapes_of, with_usual_shapes
 from hst_drive.identify.starts import starts
 from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.threads import each
@@ -34,7 +34,7 @@ _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to
 _NEAR = 1.5         # of the best start's cost
 _ROUNDS = 5
 _NEW_VALLEY = 0.95      # of the score: usual shapes that gain more opened the way for others
-_HOPE = 0.05    # of the squared error: below, what is near the noise is left alone
+_LEAST_GAIN = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
 class Candidate(NamedTuple):
@@ -173,7 +173,7 @@ class Search:
                 odds > -log(DECIDED) and not self.unexplained(after))
         done = contribution(self.campaign, self.bare, before.fit)
         asked = CREDIBLE if before.names else self.campaign.odds_asked
-        if odds > asked and (self.campaign.own_past or any(
+        if odds > asked and (self.campaign.commissioned_unit or any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
                           for entry in (before, after)), done)
                 for part in parts(self.campaign))):
@@ -196,9 +196,10 @@ class Search:
         if self._refined.get(candidate.names) is candidate and self.campaign is before:
             return candidate
         refined = self._patient(candidate)
-        usual = settled(self, refined)
+        usual = with_usual_shapes(self, refined)
         if usual.score < _NEW_VALLEY * refined.score:
-            usual = min(usual, settled(self, self._patient(usual)), key=lambda item: item.score)
+            usual = min(usual, with_usual_shapes(self, self._patient(usual)),
+                        key=lambda item: item.score)
         self._known[candidate.names] = self._refined[candidate.names] = usual
         return usual
 
@@ -252,7 +253,7 @@ class Search:
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
         # Short events may ask for one more effect though the whole is near the noise.
-        beam, least = (beam, 0.0) if self.unexplained(best) else (beam[:1], _HOPE)
+        beam, least = (beam, 0.0) if self.unexplained(best) else (beam[:1], _LEAST_GAIN)
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
         return [*{entry.names: entry for candidate in standing

@@ -23,7 +23,7 @@ def shapes_of(names: Sequence[str]) -> set[tuple[str, str]]:
             for entry in effect_of(name).parameters if entry.usual}
 
 
-def settled(search: Search, best: Candidate) -> Candidate:
+def with_usual_shapes(search: Search, best: Candidate) -> Candidate:
     """Give shapes their usual values where the data do not ask for others."""
     kept: set[tuple[str, str]] = set()
     open_ = shapes_of(best.names) & {*best.fit.names}

@@ -15,8 +15,8 @@ from typing import Collection
 
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import DECIDED
-from hst_drive.identify.fit import at_ends, Fit, settled
-from hst_drive.identify.judge import AT_NOISE, excess, judged
+from hst_drive.identify.fit import at_ends, Fit, for_sizes
+from hst_drive.identify.judge import AT_NOISE, excess, over_own_floors
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
@@ -28,7 +28,7 @@ def standing(search: Search, best: Candidate) -> Candidate:
     """Return what may be named of a set, fitted without the rest."""
     while best.names:
         fewer = _each_without(search, best, again=True)
-        left, sizes = forms(search, best), settled(search.campaign, best.fit)[1].model
+        left, sizes = forms(search, best), for_sizes(search.campaign, best.fit)[1].model
         against = {name: inf if left[name] > _MOST_LEFT or at_ends(
                        search.campaign, sizes, name) else odds
                    for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
@@ -55,7 +55,7 @@ def forms(search: Search, best: Candidate) -> dict[str, float]:
 def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float:
     """Return what is left beyond noise and chance over what was taken away, both rms."""
     first, last = (campaign.ratios(entry.errors, held_out) for entry in (before, after))
-    own, fitted = judged(campaign, after)
+    own, fitted = over_own_floors(campaign, after)
     everything = left = taken = 0.0
     for name, ratio in own.ratios(fitted.errors, held_out).items():
         rest = max(ratio**2 - AT_NOISE**2 - own.scatter(name, held_out), 0.0)

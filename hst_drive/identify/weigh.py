@@ -36,14 +36,14 @@ class Means:
 
     def of(self, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Return the means of errors, by column."""
-        return self._of([error * column.trust
+        return self._of([error * column.weight
                          for error, column in zip(errors, self.campaign.columns)])
 
     def of_training(self, vector: np.ndarray) -> list[np.ndarray]:
         """Return the same of a vector of ``Campaign.training``; what is judged on is 0."""
         errors, start = [], 0
         for column in self.campaign.columns:
-            error, stop = np.zeros(len(column.trust)), start + len(column.fit)
+            error, stop = np.zeros(len(column.weight)), start + len(column.fit)
             error[column.fit] = vector[start:stop] / self.campaign.thinning(column)
             errors.append(error)
             start = stop

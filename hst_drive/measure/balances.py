@@ -126,7 +126,7 @@ def _given(rig: Rig, key: str) -> bool:
     return getattr(rig, section) is not None and (not name or name in getattr(rig, section).given)
 
 
-def untold(balance: Balance, values: np.ndarray) -> float:
+def datasheet_error(balance: Balance, values: np.ndarray) -> float:
     """Return the error (SI) that a datasheet leaves on a balance whose signal has these values."""
     known = np.abs(values[np.isfinite(values)])
     return balance.sheet * float(np.percentile(known, USUAL)) if len(known) else 0.0

@@ -13,7 +13,7 @@ from typing import Any, Container, Mapping
 
 from hst_drive.effects import effect_of
 from hst_drive.measure.balances import BALANCES, lacking
-from hst_drive.measure.equations import told, Weak
+from hst_drive.measure.equations import measured_state, Weak
 from hst_drive.model import circuits
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
@@ -51,18 +51,18 @@ def read_instead(model: PartModel) -> tuple[str, ...]:
 
 def predicted(balance: Balance, model: PartModel, known: Known, channels: Known, weak: Weak
               ) -> Any:
-    """Return what a sensor would read by a balance; ``known`` as of ``told_of``."""
+    """Return what a sensor would read by a balance; ``known`` as of ``circuit_state``."""
     if balance.equation:
         return balance.equation(model, known, channels, weak)
     assert isinstance(model, CircuitModel)
     return _by_parts(balance, model, known, channels, weak)
 
 
-def told_of(model: PartModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
-            creeping: float, angle: np.ndarray | None) -> dict[str, Any]:
-    """Return what the equations of any circuit may read, or say; see ``told``, ``tell``."""
+def circuit_state(model: PartModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
+                  creeping: float, angle: np.ndarray | None) -> dict[str, Any]:
+    """Return what the equations of any circuit may read (``measured_state``, ``tell``)."""
     if not isinstance(model, CircuitModel):
-        return told(model, channels, creeping, angle)
+        return measured_state(model, channels, creeping, angle)
     return tell(model, channels, time, angle, max_step=_STEP * model.steps[1])
 
 

@@ -3,8 +3,8 @@
 """
 The equation of each balance of an open circuit, for logs of a part and for the watch.
 
-An equation gets the model, what is known (``told``), the channels and the weak form in which both
-sides are compared; it returns what the sensor would read, SI.
+An equation gets the model, what is known (``measured_state``), the channels and the weak form in
+which both sides are compared; it returns what the sensor would read, SI.
 """
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def source_of(channels: Mapping[str, Any]) -> str:
     return next((name for name in PRESSURES[::-1] if name in channels), '')
 
 
-def told(model: PartModel, channels: Mapping[str, np.ndarray], creeping: float,
-         angle: np.ndarray | None = None) -> dict[str, Any]:
+def measured_state(model: PartModel, channels: Mapping[str, np.ndarray], creeping: float,
+                   angle: np.ndarray | None = None) -> dict[str, Any]:
     """
     Return what the equations and effects may read: true values, where a reading is off.
 

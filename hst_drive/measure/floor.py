@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hst_drive.measure.balances import BALANCES, untold
+from hst_drive.measure.balances import BALANCES, datasheet_error
 from hst_drive.measure.noise import estimate_coloured
 from hst_drive.measure.readings import filled
 from hst_drive.model import Drive
@@ -40,7 +40,7 @@ def replay_floor(replay: Replay, drive: Drive,
     power = {name: replay.noise[name]**2 for name in replay.signals}
     drain = BALANCES['case drain']
     if drain.signal in power:
-        power[drain.signal] += untold(drain, replay.run[drain.signal])**2
+        power[drain.signal] += datasheet_error(drain, replay.run[drain.signal])**2
     if not replay.can_correct:
         given = replay.predict(drive)
         for name in replay.signals:

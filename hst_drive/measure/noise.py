@@ -136,8 +136,8 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
                     rough.noise_std * math.sqrt(top))
 
 
-def rougher(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float,
-            known: np.ndarray) -> np.ndarray:
+def variance_ratio(time: np.ndarray, rough: np.ndarray, load: np.ndarray, noise: float,
+                   known: np.ndarray) -> np.ndarray:
     """
     Return how the variance of a rough load goes with the load's square, over its usual one.
 

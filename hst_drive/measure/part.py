@@ -18,7 +18,7 @@ from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import closed, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
-from hst_drive.measure.equations import source_of, told, Weak
+from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.recorded_load import DRAWS
@@ -75,7 +75,7 @@ class PartReplay:
 
     """
 
-    doubts: dict[str, np.ndarray] = {}
+    formula_std: dict[str, np.ndarray] = {}
 
     def __init__(self, run: Run, model: PartModel):
         self.balances = self._closed(run, model)
@@ -87,8 +87,8 @@ class PartReplay:
             run = replace(run, time=np.arange(len(run), dtype=float))
         self.run = run
         self.signals = tuple(self.balances)
-        self.stamps = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
-        self.unsure = 0.0
+        self.stamp_std = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
+        self.command_std = 0.0
         self._missing = np.zeros(len(run), dtype=bool)
         used = sorted(name for name in run.channels if name in CHANNELS)
         for name in used:
@@ -194,7 +194,7 @@ class PartReplay:
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
         """Return the usual factor on a rate in a balance, and the channel of that rate."""
-        known = self._told(model, self._channels)
+        known = self._measured_state(model, self._channels)
         source, found = '', []
 
         def rate(values: np.ndarray) -> float:
@@ -269,14 +269,14 @@ class PartReplay:
     def _predicted(self, model: PartModel, balances: Mapping[str, Balance],
                    channels: dict[str, np.ndarray], weak: Callable[[str], Weak]
                    ) -> dict[str, np.ndarray]:
-        known = self._told(model, channels)
+        known = self._measured_state(model, channels)
         return {name: np.broadcast_to(predicted(
             balance, model, known, channels, weak(name)), len(self.run))
             for name, balance in balances.items()}
 
-    def _told(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+    def _measured_state(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         """Return what the equations may read."""
-        return told(model, channels, self._creeping, self.inputs.get('motor_angle'))
+        return measured_state(model, channels, self._creeping, self.inputs.get('motor_angle'))
 
     def _weak(self, name: str) -> Weak:
         """Return the weak form in which a signal is compared."""

@@ -20,7 +20,7 @@ from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
-from hst_drive.measure.noise import Coloured, estimate_coloured, rougher, Smoother
+from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
 from hst_drive.measure.oscillation import shaking
 from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
@@ -60,7 +60,7 @@ class Replay(RecordedLoad):
     stamps : float
         How well time stamps and steps of the load are known, s.
     unsure : ndarray
-        The same of the commands, row by row, s (``Steps.unsure``).
+        The same of the commands, row by row, s (``Steps.command_std``).
     steps : dict of str to Steps
         Commands as the controller gave them, as far as the rows tell, V.
 
@@ -71,7 +71,7 @@ class Replay(RecordedLoad):
 
     """
 
-    doubts: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
+    formula_std: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
 
     def __init__(self, run: Run, drive: Drive):
         missing = [name for name in COMMANDS if name not in run]
@@ -88,9 +88,9 @@ class Replay(RecordedLoad):
         time = run.time
         self.steps = controller_steps(time, {name: filled(run[name], hold=True)
                                              for name in COMMANDS})
-        self.stamps = float(np.hypot(_STAMPS, max(steps.jitter for steps in self.steps.values())))
-        self.unsure = np.max([steps.unsure(run.sample_time) for steps in self.steps.values()],
-                             axis=0)
+        steps = self.steps.values()
+        self.stamp_std = float(np.hypot(_STAMPS, max(entry.jitter for entry in steps)))
+        self.command_std = np.max([entry.command_std(run.sample_time) for entry in steps], axis=0)
         self.inputs = {name: steps.values for name, steps in self.steps.items()}
         if 'motor_speed' in run:
             self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))
@@ -124,7 +124,7 @@ class Replay(RecordedLoad):
             # may be nearer to what the drive got than holding the older one. The data decide.
             line, held = (self._misfit(drive, choice) for choice in (False, True))
             self.between = self.between._replace(held=held < HELD * line)
-            self.stamps = 0.3 * run.sample_time
+            self.stamp_std = 0.3 * run.sample_time
         self._prepare(drive)
         if 'motor_speed' in run:
             into_step(self, drive)
@@ -198,10 +198,10 @@ class Replay(RecordedLoad):
         self.roughness = shaft.rough if shaft else estimate_coloured(self.run.time, fast, noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))
-        more = rougher(self.run.time, fast, load, self.noise[name],
-                       self._turning & np.isfinite(self.run[name]))
+        more = variance_ratio(self.run.time, fast, load, self.noise[name],
+                              self._turning & np.isfinite(self.run[name]))
         usual = shaft.swings() if shaft else self.roughness.std
-        self.doubts = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}
+        self.formula_std = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}
         self.can_correct = True
 
     def _refine_noise(self, drive: Drive) -> None:

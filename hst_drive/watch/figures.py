@@ -20,7 +20,7 @@ from typing import Any, Mapping, NamedTuple
 
 from hst_drive.channels import LINES
 from hst_drive.losses.efficiency import braking, Limits, Performance, performance, reason_not_valid
-from hst_drive.measure.circuit_balances import told_of
+from hst_drive.measure.circuit_balances import circuit_state
 from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.circuits.motor_text import SWITCHES_AT
@@ -76,7 +76,7 @@ class Losses(NamedTuple):
 
 
 def losses(model: PartModel, known: dict[str, Any], speed: float) -> Losses:
-    """Return what the loss model says; ``known`` as of ``told_of``, ``speed`` the usual one."""
+    """Return what the loss model says at the usual speed; ``known`` as of ``circuit_state``."""
     if not isinstance(model, CircuitModel):
         return Losses(known['pressure'], model.motor_leakage(known), model.motor_torque(known))
     line_a, line_b = (known['true'][name] for name in LINES)
@@ -168,7 +168,7 @@ def moment_of(window: Window, stamp: int, model: PartModel, balances: Mapping[st
     rig, displacement = model.rig, model.motor_displacement
     channels = {name: np.array([short @ values[near]]) for name, values in window.values.items()}
     speed = float(channels[SPEED][0])
-    at = losses(model, told_of(model, channels, np.zeros(1), 0.0, None), speed)
+    at = losses(model, circuit_state(model, channels, np.zeros(1), 0.0, None), speed)
     samples = Samples(model, balances, window, level, rate, 0.0)
     excess, missing = lost(samples.residuals, at)
     pressure, leak, made = (float(value[0]) for value in at[:3])

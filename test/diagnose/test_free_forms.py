@@ -20,7 +20,7 @@ def made_up(monkeypatch, odds):
     """Return a search that calls what lies above 1.25 unexplained; a fit is a noise ratio."""
     monkeypatch.setattr(free_forms, 'log_odds_unlisted', lambda *_: odds)
     campaign = SimpleNamespace(
-        own_past=False,
+        commissioned_unit=False,
         ratios=lambda errors, part: {'motor_speed': 0.95 if part else errors})
     return SimpleNamespace(campaign=campaign, unexplained=lambda entry: {
         name: ratio for name, ratio in campaign.ratios(entry.fit.errors, False).items()
@@ -49,7 +49,7 @@ def test_it_is_likely_and_leaves_little(monkeypatch, odds, simpler, before, afte
     ({'motor_speed': 0.02}, 'explains as much alone'), ({}, 'explains as much alone')])
 def test_the_share_is_told_where_there_is_one(shares, told):
     search = SimpleNamespace(
-        campaign=SimpleNamespace(own_past=False),
+        campaign=SimpleNamespace(commissioned_unit=False),
         gain=lambda *_: Gain(shares, {}, {}, {}))
     assert how_much_better(search, Best(fit=None), None) == told
 

@@ -4,7 +4,7 @@
 import re
 
 from bench.campaigns import as_runs
-from hst_drive.diagnose.unlisted import unlisted_beside, unlisted_instead
+from hst_drive.diagnose.unlisted import unlisted_addition, unlisted_replacement
 from hst_drive.effects.formula import FLOW
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
@@ -37,7 +37,7 @@ CASES = [
 def test_imitation_is_told_from_another_form(hidden, form, named, beaten):
     made = make_campaign(41, {hidden: {'size': 1.0, 'form': form}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    found = unlisted_instead(search, search.refine(search.single(named)))
+    found = unlisted_replacement(search, search.refine(search.single(named)))
     assert bool(found) is beaten
     assert set(found) <= {named}
 
@@ -46,7 +46,7 @@ def told(hidden, size, named, form=None):
     """Return what is told in the place of an effect, and what was hidden."""
     made = make_campaign(42, {hidden: {'size': size, **({'form': form} if form else {})}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    found = unlisted_instead(search, search.single(named))
+    found = unlisted_replacement(search, search.single(named))
     return found[named].unknown, made.truth['si_parameters']
 
 
@@ -91,7 +91,7 @@ def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(seed, hidd
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = unlisted_instead(search, best)
+    found = unlisted_replacement(search, best)
     assert bool(found) is beaten
     if beaten:
         assert set(found) == set(best.names) and len(best.names) > 1
@@ -109,7 +109,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = unlisted_instead(search, best)
+    found = unlisted_replacement(search, best)
     assert set(found) == set(best.names) and len(best.names) > 1
     unknown = found[best.names[0]].unknown
     assert (unknown.enters, unknown.signal) == ('sensor', 'load_torque')
@@ -119,7 +119,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
 def beside_nothing(hidden, **options):
     """Return what is told where no effect is searched."""
     search = Search(Campaign(*as_runs(make_campaign(43, hidden, **options))), ())
-    return unlisted_beside(search, search.baseline, search.unexplained(search.baseline))[1]
+    return unlisted_addition(search, search.baseline, search.unexplained(search.baseline))[1]
 
 
 @pytest.mark.needs_numba
@@ -164,7 +164,7 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
     if signal == 'load_torque':
         # It goes into the replay: what it spoils there may be all that is left.
         left.pop(signal, None)
-    found = unlisted_beside(search, search.baseline, left)[1].unknown
+    found = unlisted_addition(search, search.baseline, left)[1].unknown
     assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)
@@ -181,6 +181,6 @@ def test_a_fit_that_had_stopped_too_early_is_no_sign_of_something_unlisted():
     early = search.candidate(good.names, fit(
         search.campaign, Model(good.fit.model.effects, factors), iterations=0, refresh=True))
     assert early.score > 1.05 * good.score
-    again, told = unlisted_beside(search, early, search.unexplained(early))
+    again, told = unlisted_addition(search, early, search.unexplained(early))
     assert told is None
     assert again.score == pytest.approx(good.score, rel=0.02)

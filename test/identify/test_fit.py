@@ -28,7 +28,7 @@ class Linear:
     def __init__(self, matrix, values):
         self.matrix, self.values = matrix, values
         everything = np.arange(len(values))
-        self.columns = [SimpleNamespace(log=0, fit=everything, judge=everything[:0], trust=1.0)]
+        self.columns = [SimpleNamespace(log=0, fit=everything, judge=everything[:0], weight=1.0)]
 
     def fits(self, name, key):
         return True

@@ -4,7 +4,7 @@
 from dataclasses import replace
 
 from bench.campaigns import as_runs
-from hst_drive.diagnose.unlisted import unlisted_beside
+from hst_drive.diagnose.unlisted import unlisted_addition
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
@@ -50,7 +50,7 @@ def test_ripple_is_found_in_logs_that_begin_at_other_angles():
 def test_load_of_each_turn_is_found_in_logs_that_begin_at_other_angles():
     search = searched({'bit_eccentricity': 0.6})
     left = search.unexplained(search.baseline)
-    assert 'angle of the shaft' in unlisted_beside(search, search.baseline, left)[1].told
+    assert 'angle of the shaft' in unlisted_addition(search, search.baseline, left)[1].told
 
 
 @pytest.mark.needs_numba

@@ -8,7 +8,7 @@ from test.truth import make_campaign
 
 from bench.campaigns import run_of
 from hst_drive.identify.calibrate import calibrated
-from hst_drive.identify.judge import CLEAN_RATIO, judged, unexplained
+from hst_drive.identify.judge import CLEAN_RATIO, over_own_floors, unexplained
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.recording import in_time
 from hst_drive.rig import parse_rig
@@ -31,7 +31,7 @@ def calibration(effects, late):
 
 def worst(campaign, fitted, held):
     """Return the largest noise ratio: as it is, or with steps in time."""
-    own, fitted = judged(campaign, fitted)
+    own, fitted = over_own_floors(campaign, fitted)
     errors = in_time(own, fitted.errors) if held else fitted.errors
     return max(own.ratios(errors, None).values())
 
@@ -63,7 +63,7 @@ def test_a_zero_within_the_noise_of_a_sensor_is_no_physics(tmp_path, noises, exp
         for run in (logs['drilling'], logs['sweep'])]
     campaign = campaign_of(rig, runs)
     fitted = calibrated(campaign)
-    own, there = judged(campaign, fitted)
+    own, there = over_own_floors(campaign, fitted)
     assert (max(own.ratios(there.errors, None).values()) > 1.5) == (noises != 0.0)
     assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
 
@@ -78,6 +78,6 @@ def test_scatter_that_grows_with_what_is_read_is_no_physics(rows, explained):
                                  run['motor_torque'] * (1.0 + 0.02 * scatter)})
     campaign = campaign_of(benches.motor_rig(), [run])
     fitted = calibrated(campaign)
-    own, there = judged(campaign, fitted)
+    own, there = over_own_floors(campaign, fitted)
     assert max(own.ratios(there.errors, None).values()) > CLEAN_RATIO
     assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Noise, coloured disturbances and their smoothing, against simulated and exact values."""
 from hst_drive.measure.noise import (
-    Coloured, estimate_coloured, noise_std, rougher, Smoother)
+    Coloured, estimate_coloured, noise_std, Smoother, variance_ratio)
 import numpy as np
 import pytest
 
@@ -133,7 +133,7 @@ def test_rock_is_as_rough_as_its_load_or_always_alike(goes_with_load):
         rough = coloured(random, len(TIME), 0.01, 1.0, 0.1) * (
             0.01 * load if goes_with_load else 1.0)
         rough = np.where(turns, rough + 0.5 * random.standard_normal(len(TIME)), 0.0)
-        found.append(rougher(TIME, rough, np.where(turns, load, np.nan), 0.5, turns))
+        found.append(variance_ratio(TIME, rough, np.where(turns, load, np.nan), 0.5, turns))
     assert np.isfinite(found).all()
     true = load**2 / np.median(load**2) if goes_with_load else np.ones(len(TIME))
     high, low = turns & (load > 150.0), turns & (load < 60.0)
