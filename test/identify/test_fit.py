@@ -109,12 +109,12 @@ def test_columns_that_are_wrong_lead_there_too(share):
     assert found.cost == pytest.approx(fit(campaign, start(), iterations=8).cost, abs=0.6)
 
 
-def covered(noise, count=300):
-    """Return how often the interval of the effect's size holds the truth."""
+def covered(noise, off=0.0, count=300):
+    """Return how often an interval holds a size of 2; ``off`` is what the unit is off the make."""
     hits = 0
     for seed in range(count):
-        found = fit(problem(seed, np.array([0.0, 0.0, 2.0]), noise), start(), refresh=True)
-        low, high = intervals(problem(seed, np.array([0.0, 0.0, 2.0]), noise), found)[EFFECT, KEY]
+        campaign = problem(seed, np.array([0.0, off, 2.0]), noise)
+        low, high = intervals(campaign, fit(campaign, start(), refresh=True))[EFFECT, KEY]
         hits += low <= 2.0 * TYPICAL <= high
     return hits / count
 
@@ -133,6 +133,16 @@ def test_intervals_hold_the_truth_though_errors_are_alike_within_a_block():
 
 def test_intervals_are_not_too_wide_where_samples_are_independent():
     assert 0.88 <= covered(None) <= 0.985
+
+
+@pytest.mark.parametrize('off, least, most', [(0.0, 0.93, 1.0), (3.0, 0.89, 0.985)])
+def test_intervals_hold_the_truth_where_the_unit_is_far_off_its_make(off, least, most):
+    """A factor that moves the errors nearly as the effect does is drawn to the datasheet."""
+    def noise(random, matrix):
+        matrix[:, 2] = matrix[:, 1] + 0.3 * matrix[:, 2]
+        return random.standard_normal(ROWS)
+
+    assert least <= covered(noise, off) <= most
 
 
 @pytest.mark.parametrize('name, key', [
