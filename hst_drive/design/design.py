@@ -22,7 +22,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.model import Model
 from hst_drive.rig import Rig
 
-OUT_OF_REACH = 2.0
+_TOO_LITTLE = 2.0       # sigma beyond what any test is worth: below, a quick look found none
 SHORTEST = 20.0         # s
 _QUICK = 33.0           # s
 _VERIFIED = 3           # tests that are verified
@@ -192,7 +192,7 @@ def in_short(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> str:
         return f'{pointer}, or names the sensor, that separates them'
     work = Designer(rig, models, channels)
     best = work.rate(work.pure(_QUICK))[0]
-    if best.worth < ANY + OUT_OF_REACH:
+    if best.worth < ANY + _TOO_LITTLE:
         return ("a quick look found no test with these channels; 'hst-drive design' with this "
                 'diagnosis looks closer: it writes one, or names the sensor to add')
     return f'{best.trial.words}, about two minutes; {pointer}'

@@ -19,7 +19,7 @@ from typing import Callable, Container, Iterator, Mapping, NamedTuple
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.dependence import STATIC
 from hst_drive.diagnose.free_forms import (
-    better, beyond_noise, described, FreeForm, PATIENT, Trial, with_start)
+    as_unknown, better, beyond_noise, FreeForm, PATIENT, Trial, with_start)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
@@ -89,7 +89,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
                 f"as much as {' and '.join(best.names)} together" if len(best.names) > 1 else
                 f'more than {best.names[0]}')
             return Unlisted(f'{trial.what} alone explains {said}',
-                            described(search.campaign, lambda: search.base, trial))
+                            as_unknown(search.campaign, lambda: search.base, trial))
     return None
 
 

@@ -19,7 +19,7 @@ import numpy as np
 def posterior(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
               verdict: str) -> Probability:
     """
-    Return how probable each set is, given the answer, too: it knows which rows were held out.
+    Return how probable each set is, given the verdict, too: it knows which rows were held out.
 
     ``rivals`` are what could stand in the place of each effect of the set that was found.
     """

@@ -100,7 +100,7 @@ def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:
         f'leaves {100 * share:.0f} % less squared error of {CHANNELS[signal].title}')
 
 
-def described(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:
+def as_unknown(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unknown | None:
     """Return what a trial would be told as, with the formula to adopt over a bare model."""
     if trial.unknown is None or trial.free_form is None:
         return trial.unknown

@@ -15,7 +15,7 @@ from typing import Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
-    better, described, fitted_free_form, FreeForm, how_much_better, Trial)
+    as_unknown, better, fitted_free_form, FreeForm, how_much_better, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
@@ -86,7 +86,7 @@ def unlisted_replacement(search: Search, best: Candidate) -> dict[str, Unlisted]
             found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place '
                 f'{how_much_better(search, best, trial.fit)}',
-                described(search.campaign, lambda: without(search, best, [name]).fit, trial))
+                as_unknown(search.campaign, lambda: without(search, best, [name]).fit, trial))
     return found or _of_warmth(search, best, left)
 
 
@@ -106,7 +106,7 @@ def _of_warmth(search: Search, best: Candidate,
     trial = _best(search, best, trials, left, simpler=True)
     if not trial:
         return {}
-    unknown = described(search.campaign, lambda: without(search, best, names).fit, trial)
+    unknown = as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)
     return dict.fromkeys(names, Unlisted(
         f'together come near, but {trial.what} in their place '
         f'{how_much_better(search, best, trial.fit)}', unknown))
@@ -161,7 +161,7 @@ def _additions(search: Search, best: Candidate, left: Container[str]) -> Iterato
         # Where no load is recorded what is left cannot say that it is one.
         seen = trial._replace(unknown=Unknown(
             'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]'))
-        trial = trial._replace(unknown=described(turned, lambda: best.fit, seen))
+        trial = trial._replace(unknown=as_unknown(turned, lambda: best.fit, seen))
     yield trial
 
 

@@ -72,11 +72,11 @@ class Campaign:
         self._own_floors: dict[str, list[dict[str, float]]] = {}    # by model
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
-        self._weights = [
-            np.where(usable, self._weigh(replay, index < len(runs), bool(holdout)), 0)
+        self._splits = [
+            np.where(usable, self._split(replay, index < len(runs), bool(holdout)), 0)
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
         self._shaking = [replay.shakes for replay in self.replays]
-        self.columns = columns(self.replays, self.floors, self._weights)
+        self.columns = columns(self.replays, self.floors, self._splits)
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -188,7 +188,7 @@ class Campaign:
         return _SLOW_EVENTS if self.slow(name) else self.events
 
     @staticmethod
-    def _weigh(replay: Replay, training: bool, named: bool) -> np.ndarray:
+    def _split(replay: Replay, training: bool, named: bool) -> np.ndarray:
         """Return +1 for samples to fit on, -1 for samples to judge on, 0 for neither."""
         time = replay.run.time - replay.run.time[0]
         if named:
@@ -205,16 +205,16 @@ class Campaign:
         """Return a campaign that differs in some attributes; the others are shared."""
         other = copy.copy(self)
         vars(other).update(attributes, _own_floors={})
-        if {'floors', '_weights'} & {*attributes}:
-            other.columns = columns(other.replays, other.floors, other._weights)
+        if {'floors', '_splits'} & {*attributes}:
+            other.columns = columns(other.replays, other.floors, other._splits)
         return other
 
     def of_logs(self, wanted: Callable[[int], bool] = lambda log: True,
                 all_to_fit: bool = False) -> Campaign:
         """Return a campaign with the samples of some recordings alone, perhaps all to fit on."""
-        return self._changed(_weights=[
-            (np.abs(weight) if all_to_fit else weight) * wanted(log)
-            for log, weight in enumerate(self._weights)])
+        return self._changed(_splits=[
+            (np.abs(split) if all_to_fit else split) * wanted(log)
+            for log, split in enumerate(self._splits)])
 
     def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
         """Return the campaign that sizes are taken from, for a model that leaves these errors."""
@@ -259,7 +259,7 @@ class Campaign:
         errors may be ``known``: then the other logs alone are replayed.
         """
         drive = self.driver(model)
-        fitted = [bool((part > 0).any()) for part in self._weights]
+        fitted = [bool((part > 0).any()) for part in self._splits]
         given = [replay.predict(drive)
                  if (fit or not to_fit) and not (fit and known) else None
                  for replay, fit in zip(self.replays, fitted)]

@@ -33,7 +33,7 @@ class Column(NamedTuple):
 
 
 def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
-            weights: Sequence[np.ndarray]) -> list[Column]:
+            splits: Sequence[np.ndarray]) -> list[Column]:
     """
     Return the columns of all logs in turn.
 
@@ -43,19 +43,19 @@ def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
         The logs.
     floors : sequence of dict
         What a perfect model would show, by signal, SI.
-    weights : sequence of ndarray
+    splits : sequence of ndarray
         +1 for samples to fit on, -1 for samples to judge on, 0 for neither.
 
     """
     found = []
-    for index, (replay, part) in enumerate(zip(replays, weights)):
-        stamp_std = np.hypot(replay.stamp_std, replay.command_std)
+    for index, (replay, part) in enumerate(zip(replays, splits)):
+        time_std = np.hypot(replay.stamp_std, replay.command_time_std)
         for name in replay.signals:
             valid, floor = replay.counted(name), floors[index][name]
             known = np.nan_to_num(replay.run[name], posinf=0.0, neginf=0.0)
             moving = np.gradient(gaussian_filter1d(known, 1.5), replay.run.time)
-            doubt = np.hypot(stamp_std * moving, replay.formula_std.get(name, 0.0)) / floor
-            weight = 1.0 / np.sqrt(1.0 + doubt**2)
+            extra = np.hypot(time_std * moving, replay.extra_std.get(name, 0.0)) / floor
+            weight = 1.0 / np.sqrt(1.0 + extra**2)
             found.append(Column(index, name, np.flatnonzero(valid & (part > 0)),
                                 np.flatnonzero(valid & (part < 0)), 1.0 / floor, weight))
     return found

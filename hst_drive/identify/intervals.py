@@ -6,7 +6,8 @@ How sure the fitted sizes are: 95 % intervals that know that errors are correlat
 The sandwich estimator over blocks (H. White, Econometrica 50, 1982; blocks of two seconds as
 clusters) replaces the naive covariance, which takes every sample as independent and is far too
 narrow. Added are a share of the effect's own size for its functional form, what the unit's tables
-do between their points, and what shapes that took their usual values leave open.
+do between their points, what shapes that took their usual values leave open, and the bias of the
+prior on a unit that is far off its make.
 """
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ class Spread(NamedTuple):
     What is known of a fit's unknowns: their vector and its covariance, each in its scale.
 
     ``before`` is the vector without the effects: adopted sizes, else 0. ``unit``, a column each:
-    how the estimates move with what this unit is off the make in each of its unknowns.
+    how the estimates move with what this unit is off the make in each of its unknowns, by a
+    tolerance or as far as it is out.
     """
 
     unknowns: Unknowns
@@ -60,8 +62,9 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     prior = np.where(unit, 1.0, 3.0 * (above - below) / (above**3 - below**3))
     inverse = np.linalg.pinv(jacobian.T @ jacobian + np.diag(prior))
     residual = campaign.training(fitted.errors)
-    # A factor far out in its tolerance says that this, or a formula beside it, is off by as much.
-    meat = np.diag(np.where(unit, np.maximum(vector**2, 1.0) + between_points, prior))
+    # The prior draws a factor to the datasheet: it may be off by as much as it is far out.
+    out = np.maximum(np.abs(vector), 1.0)
+    meat = np.diag(np.where(unit, out**2 + between_points, prior))
     meat += squared_slopes(jacobian, residual, campaign.fitted_blocks())
     covariance = inverse @ meat @ inverse
     for name in fitted.model.effects:
@@ -70,7 +73,7 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     # An effect's number that moves nothing is not known at all: ten times its range.
     still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
-    return Spread(unknowns, vector, covariance, before, inverse[:, :unknowns.factors])
+    return Spread(unknowns, vector, covariance, before, (inverse * out)[:, :unknowns.factors])
 
 
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,

@@ -14,7 +14,7 @@ from typing import Mapping, NamedTuple
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.recording import alike, at_zero, in_time
+from hst_drive.identify.recording import at_zero, in_time, lasting
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
@@ -170,7 +170,7 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
         return left
     errors = at_zero(own, in_time(own, fitted.errors))
     return _beyond(campaign, own, {
-        name: min(ratio, np.sqrt(1.0 + alike(own, errors, name, held_out)))
+        name: min(ratio, np.sqrt(1.0 + lasting(own, errors, name, held_out)))
         for name, ratio in own.ratios(errors, held_out).items()}, done, held_out)
 
 

@@ -86,7 +86,7 @@ class PartCampaign(Campaign):
         return part_model(self.rig)
 
     @staticmethod
-    def _weigh(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
+    def _split(replay: PartReplay, training: bool, named: bool) -> np.ndarray:
         time = replay.run.time - replay.run.time[0]
         if named:
             return np.full(len(time), 1 if training else -1)
@@ -124,9 +124,9 @@ class PartCampaign(Campaign):
         apart: dict[str, float] = {}
         for signal, balance in closing.items():
             noise = CHANNELS[signal].noise * np.max(np.abs(first[signal]))
-            unsure = np.hypot(datasheet_error(balance, first[signal]), noise) + 1e-30
+            std = np.hypot(datasheet_error(balance, first[signal]), noise) + 1e-30
             apart[signal] = min(float(np.sqrt(np.mean((other[signal] - first[signal])**2)))
-                                for other in rest) / unsure
+                                for other in rest) / std
         telling = sorted((name for name, far in apart.items() if far > 1.0),
                          key=lambda name: -apart[name])
         if telling:

@@ -14,7 +14,7 @@ from typing import Sequence
 from hst_drive.identify.campaign import Campaign
 import numpy as np
 
-_LONGEST = 0.5      # s: physics shows within it
+_LAGS = 0.5     # s: what a model lacks shows in one of them
 
 
 def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -76,23 +76,22 @@ def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
     return errors
 
 
-def alike(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
-          held_out: bool | None) -> float:
+def lasting(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
+            held_out: bool | None) -> float:
     """
-    Return the part of a signal's mean square error that lasts longer than a row.
+    Return the part of a signal's mean square error that rows without common noise share.
 
-    The largest autocovariance over lags to half a second: white noise has none.
+    The largest product of errors a lag apart, mean over the rows, from where they share no noise
+    (``apart``) half a second on. White noise has none, a constant error all of it.
 
     Parameters
     ----------
-    campaign : Campaign
-        Of the whole drive or a part.
-    errors : sequence of ndarray
-        Of its columns.
+    campaign, errors
+        As of ``at_zero``.
     name : str
         The signal.
     held_out : bool or None
-        Rows to judge on or to fit on; None for both.
+        True: rows to judge on, False: rows to fit on, None: both.
 
     Returns
     -------
@@ -102,16 +101,19 @@ def alike(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
     """
     total, count = 0.0, 0
     for error, column in zip(errors, campaign.columns):
-        if column.signal != name:
+        rows = column.rows(held_out)
+        if column.signal != name or not len(rows):
             continue
-        replay, rows = campaign.replays[column.log], column.rows(held_out)
+        replay = campaign.replays[column.log]
         first = replay.apart(name)
         if not first:
             return np.inf
-        own, judged = np.zeros((2, len(error)))
-        own[rows], judged[rows] = (error * column.weight)[rows], 1.0
-        lags = range(first, max(first, int(_LONGEST / replay.run.sample_time)) + 1)
-        total += len(rows) * max(
-            abs(own[lag:] @ own[:-lag]) / max(judged[lag:] @ judged[:-lag], 1.0) for lag in lags)
+        own, counted = np.zeros((2, len(error)))
+        own[rows], counted[rows] = (error * column.weight)[rows], 1.0
+        last = first + max(int(_LAGS / replay.run.sample_time), 1)
+        found = [abs(own[lag:] @ own[:-lag]) / pairs for lag in range(first, last)
+                 if (pairs := counted[lag:] @ counted[:-lag])]
+        # Where no two rows lie so far apart, nothing tells scatter from physics.
+        total += len(rows) * max(found, default=own @ own / len(rows))
         count += len(rows)
-    return total / count
+    return total / max(count, 1)

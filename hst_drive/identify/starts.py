@@ -3,7 +3,7 @@
 """Where the fit of an effect starts: the error may have several valleys."""
 from __future__ import annotations
 
-from typing import Iterable, Iterator, Mapping, Sequence
+from typing import Iterator, Mapping, Sequence
 
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
@@ -22,12 +22,13 @@ _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
            alone: Mapping[str, float] | None) -> list[Model]:
     """
-    Return models to fit from, those that promise most.
+    Return models to fit from: the two that promise most, and the first.
 
-    Typical size and a third of it, what the effect is alone, and where its declaration says, or
-    the order of the swings that are left. Where it is not fitted yet, it starts with the size that
-    takes most away if it does as much more as it is larger. A resonance starts where the torque
-    alone says; if the torque is nearer without the effect, its typical form is enough.
+    Tried are its typical size and a third of it; each form that it declares, at the one of these
+    that leaves less; and what the effect is alone. Or the orders of the swings that are left.
+    What is not fitted yet starts at the size that would leave least if errors grew in proportion
+    to it. A resonance starts where the torque alone says; if the torque is nearer without the
+    effect, its typical form is enough. Of an effect that declares no form the best is enough.
 
     Parameters
     ----------
@@ -46,32 +47,40 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     effect, values = effect_of(name), campaign.typical(name)
     size = effect.size.name
     off = campaign.off(name)[size]
+    # What is adopted keeps its form: only its size is fitted.
+    form = {key: value for key, value in values.items()
+            if name in campaign.adopted and key != size}
+
+    def shaped(entry: Mapping[str, float]) -> Model:
+        return base.with_effect(name, {**values, **entry, **form})
+
+    residual = campaign.training(campaign.errors(base, to_fit=True))
+
+    def promising(free: Sequence[Model], there: Sequence[Model]) -> list[tuple[float, Model]]:
+        return [*_promising(campaign, factors, residual, name, free, there)]
+
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
-        return [base.with_effect(name, {**values, effect.order: float(entry)})
-                for entry in found] or [base.with_effect(name, values)]
+        return [shaped({effect.order: float(entry)}) for entry in found] or [shaped({})]
     # In logs of a part what a whole drive alone can tell stays as it is.
     declared = [entry for entry in effect.starts if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
-
-    def promising(shapes: Iterable[Mapping[str, float]], fitted: Sequence[Model] = ()):
-        return list(_promising(campaign, factors, base, name, [
-            base.with_effect(name, {**values, **entry}) for entry in shapes], fitted))
-
     if len(declared) > _MANY:
-        near = _near(campaign, base, [base.with_effect(name, {**values, **entry})
-                                      for entry in declared])
+        near = _near(campaign, base, [shaped(entry) for entry in declared])
         if not near:
-            return [base.with_effect(name, values)]
+            return [shaped({})]
         # Without a torque all are near: beside others so many simulations take too long.
         told = near if alone is None or len(near) <= _NEAR else []
         tried = promising([], [*told, *fitted])
     else:
-        tried = promising({size: off + share * (values[size] - off)} for share in (1.0, _LESS))
-        # What stalls the drive in the model says nothing of a shape.
-        usual = min(tried, key=lambda entry: entry[0])[1].effects[name][size]
-        tried += promising([{size: usual, **entry} for entry in declared], fitted)
+        sizes = [off + share * (values[size] - off) for share in (1.0, _LESS)]
+        tried = promising([shaped({size: entry}) for entry in sizes], [])
+        # A size that stalls the drive in the model says nothing of a form; nor does a form that
+        # takes nothing away say anything of the size.
+        (_, nearer), turns = min(zip(tried, sizes), key=lambda entry: entry[0][0])
+        turns = max(turns, nearer.effects[name][size], key=lambda entry: abs(entry - off))
+        tried += promising([shaped({size: turns, **entry}) for entry in declared], fitted)
     kept: dict[int, tuple[float, Model]] = {}
     for promise, model in tried:
         # What is as good as one that comes before is not told from it by noise.
@@ -84,7 +93,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     return best[:2] if first in best[:2] else [*best[:2], first]
 
 
-def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
+def _promising(campaign: Campaign, factors: np.ndarray, residual: np.ndarray, name: str,
                free: Sequence[Model], fitted: Sequence[Model]) -> Iterator[tuple[float, Model]]:
     """
     Yield what squared error models may leave (linearised), and where their fits then start.
@@ -94,10 +103,9 @@ def _promising(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     size = campaign.parameter(name, effect_of(name).size.name)
     off, wide = campaign.off(name)[size.name], np.full(factors.shape[1], np.inf)
 
-    def around(residual: np.ndarray) -> Linearised:
-        return Linearised(residual, factors, np.zeros(len(wide)), len(wide))
+    def around(errors: np.ndarray) -> Linearised:
+        return Linearised(errors, factors, np.zeros(len(wide)), len(wide))
 
-    residual = campaign.training(campaign.errors(base, to_fit=True))
     known = around(residual)
     for index, model in enumerate((*free, *fitted)):
         moved = campaign.training(campaign.errors(model, to_fit=True))

@@ -56,7 +56,7 @@ class Unknowns:
         if not effect:
             return self.tolerances[key]
         parameter = self._parameter(effect, key)
-        return abs(parameter.typical) or parameter.high
+        return abs(parameter.typical) or max(parameter.high, -parameter.low)
 
     def _limits(self, effect: str, key: str) -> tuple[float, float]:
         if not effect:

@@ -51,7 +51,7 @@ class CircuitReplay(PartReplay):
         between = Between.rows(model.rig, run.sample_time)
         if between.steps > 1:
             self._fill_in(model, between)
-        self.formula_std = self._formula_std(model)
+        self.extra_std = self._extra_std(model)
 
     def _fill_in(self, model: CircuitModel, between: Between) -> None:
         """Let commands move between the rows of a slow record, unless held ones fit better."""
@@ -72,12 +72,12 @@ class CircuitReplay(PartReplay):
                          / max(np.nanmean(np.diff(self.run[name])**2), 1e-30))
                    for name in self.signals)
 
-    def _formula_std(self, model: CircuitModel) -> dict[str, np.ndarray]:
+    def _extra_std(self, model: CircuitModel) -> dict[str, np.ndarray]:
         """Return how far signals hang on the actuator's start, and on a small lag more (SI)."""
         known, moved, time = self._channels, model.circuit.states[0].name, self.run.time
         if moved in known:
             return {}
-        settled, at_rest = (self._measured_state(model, known, before)[moved]
+        settled, at_rest = (self._state(model, known, before)[moved]
                             for before in (SETTLES, 1e-3 * SETTLES))
         late, found = np.interp(time - _SMALL * model.steps[1], time, settled), []
         for values in (settled, late, at_rest):
@@ -129,7 +129,7 @@ class CircuitReplay(PartReplay):
         part = self.balances[name].parts[0]
         if not part.state:
             return 0.0, ''
-        found = self._measured_state(model, self._channels)
+        found = self._state(model, self._channels)
         return float(np.median(np.abs(found[part.storage][self._judged[name]]))), part.state
 
     def _width(self, name: str, model: PartModel) -> float:
@@ -148,8 +148,8 @@ class CircuitReplay(PartReplay):
         # Two first-order lags in series: reading + (a + b) reading' + a b reading'' = shaft.
         return (first + second) * rate + first * second * bend
 
-    def _measured_state(self, model: PartModel, channels: dict[str, np.ndarray],
-                        before: float = SETTLES) -> dict[str, Any]:
+    def _state(self, model: PartModel, channels: dict[str, np.ndarray],
+               before: float = SETTLES) -> dict[str, Any]:
         assert isinstance(model, CircuitModel)
         if self._ratio is not None:
             channels = {**channels, 'viscosity_ratio': self._ratio}

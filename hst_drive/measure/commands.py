@@ -43,7 +43,7 @@ class Steps(NamedTuple):
         """Whether there are commands that no row shows."""
         return bool(np.any(self.low != self.high))
 
-    def command_std(self, period: float) -> np.ndarray:
+    def time_std(self, period: float) -> np.ndarray:
         """
         Return how well it is known when what moves the drive at each row was commanded, s.
 

@@ -61,12 +61,12 @@ class PartReplay:
         Whether the rows are operating points; then ``run.time`` counts them.
     noise : dict of str to float
         White noise of each predicted signal before smoothing, SI.
-    stamps : float
+    stamp_std : float
         How well time stamps and steps between samples are known, s.
-    unsure : float
-        How much less well the commands are.
-    doubts : dict of str to ndarray
-        Standard deviation of the model's formula, row by row, SI; of signals where it is known.
+    command_time_std : float
+        How much less well the times of the commands are, s.
+    extra_std : dict of str to ndarray
+        Standard deviation beyond the floor, row by row, SI: what a formula or rough rock adds.
 
     Raises
     ------
@@ -75,7 +75,7 @@ class PartReplay:
 
     """
 
-    formula_std: dict[str, np.ndarray] = {}
+    extra_std: dict[str, np.ndarray] = {}
 
     def __init__(self, run: Run, model: PartModel):
         self.balances = self._closed(run, model)
@@ -88,7 +88,7 @@ class PartReplay:
         self.run = run
         self.signals = tuple(self.balances)
         self.stamp_std = 0.0 if self.static else max(1e-3, 0.1 * run.sample_time)
-        self.command_std = 0.0
+        self.command_time_std = 0.0
         self._missing = np.zeros(len(run), dtype=bool)
         used = sorted(name for name in run.channels if name in CHANNELS)
         for name in used:
@@ -194,7 +194,7 @@ class PartReplay:
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
         """Return the usual factor on a rate in a balance, and the channel of that rate."""
-        known = self._measured_state(model, self._channels)
+        known = self._state(model, self._channels)
         source, found = '', []
 
         def rate(values: np.ndarray) -> float:
@@ -269,12 +269,12 @@ class PartReplay:
     def _predicted(self, model: PartModel, balances: Mapping[str, Balance],
                    channels: dict[str, np.ndarray], weak: Callable[[str], Weak]
                    ) -> dict[str, np.ndarray]:
-        known = self._measured_state(model, channels)
+        known = self._state(model, channels)
         return {name: np.broadcast_to(predicted(
             balance, model, known, channels, weak(name)), len(self.run))
             for name, balance in balances.items()}
 
-    def _measured_state(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+    def _state(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         """Return what the equations may read."""
         return measured_state(model, channels, self._creeping, self.inputs.get('motor_angle'))
 

@@ -57,10 +57,10 @@ class Replay(RecordedLoad):
     ----------
     signals : tuple of str
         Measured signals that the model gives, too.
-    stamps : float
+    stamp_std : float
         How well time stamps and steps of the load are known, s.
-    unsure : ndarray
-        The same of the commands, row by row, s (``Steps.command_std``).
+    command_time_std : ndarray
+        The same of the commands, row by row, s (``Steps.time_std``).
     steps : dict of str to Steps
         Commands as the controller gave them, as far as the rows tell, V.
 
@@ -71,7 +71,7 @@ class Replay(RecordedLoad):
 
     """
 
-    formula_std: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
+    extra_std: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
 
     def __init__(self, run: Run, drive: Drive):
         missing = [name for name in COMMANDS if name not in run]
@@ -90,8 +90,9 @@ class Replay(RecordedLoad):
                                              for name in COMMANDS})
         steps = self.steps.values()
         self.stamp_std = float(np.hypot(_STAMPS, max(entry.jitter for entry in steps)))
-        self.command_std = np.max([entry.command_std(run.sample_time) for entry in steps], axis=0)
-        self.inputs = {name: steps.values for name, steps in self.steps.items()}
+        self.command_time_std = np.max([entry.time_std(run.sample_time) for entry in steps],
+                                       axis=0)
+        self.inputs = {name: entry.values for name, entry in self.steps.items()}
         if 'motor_speed' in run:
             self.inputs['motor_angle'] = turned(time, filled(run['motor_speed']))
         self.between = Between.rows(drive.rig, run.sample_time)
@@ -201,7 +202,7 @@ class Replay(RecordedLoad):
         more = variance_ratio(self.run.time, fast, load, self.noise[name],
                               self._turning & np.isfinite(self.run[name]))
         usual = shaft.swings() if shaft else self.roughness.std
-        self.formula_std = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}
+        self.extra_std = {name: usual * np.sqrt(np.maximum(more - 1.0, 0.0))}
         self.can_correct = True
 
     def _refine_noise(self, drive: Drive) -> None:

@@ -99,8 +99,8 @@ def _worth(unknown: Unknown) -> str:
     """Say what the formula does to the error when it becomes part of the model."""
     formula = unknown.formula
     if formula is None:
-        return ('fitted as a part of the model, no formula of these variables lowers its held-out '
-                'error by a tenth: nothing to adopt')
+        return ('no formula of these variables, as a part of the model, takes away a tenth of its '
+                'held-out squared error: nothing to adopt')
     falls = ', '.join(f'{name} {formula.before[name]:.2f} to {formula.after[name]:.2f}'
                       for name in formula.before
                       if abs(formula.before[name] - formula.after[name]) >= 0.05)

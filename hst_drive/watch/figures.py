@@ -76,7 +76,11 @@ class Losses(NamedTuple):
 
 
 def losses(model: PartModel, known: dict[str, Any], speed: float) -> Losses:
-    """Return what the loss model says at the usual speed; ``known`` as of ``circuit_state``."""
+    """
+    Return what the loss model says of a state that is known (``circuit_state``).
+
+    ``speed`` (rad/s) says which way it turns.
+    """
     if not isinstance(model, CircuitModel):
         return Losses(known['pressure'], model.motor_leakage(known), model.motor_torque(known))
     line_a, line_b = (known['true'][name] for name in LINES)

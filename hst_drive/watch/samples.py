@@ -130,7 +130,7 @@ class Samples:
         self._angle = turned(window.time, window.values[SPEED])
         self.level, self.rate = level, rate
         self._weak = Weak(window.time, self.mean, lambda values: float(rate @ values))
-        self.known = self._measured_state(model, window.values)
+        self.known = self._state(model, window.values)
         # The same however often the equations are asked.
         self._channels = {**window.values, 'viscosity_ratio': self.known['viscosity_ratio']}
         self._balances = {name: entry for name, entry in balances.items() if self._holds(entry)}
@@ -149,7 +149,7 @@ class Samples:
         """Return the weighted mean."""
         return float(self.level @ values) if np.ndim(values) else float(values)
 
-    def _measured_state(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
+    def _state(self, model: PartModel, channels: dict[str, np.ndarray]) -> dict[str, Any]:
         return circuit_state(model, channels, self._time, self._creeping, self._angle)
 
     def _residual(self, name: str, model: PartModel, channels: dict[str, np.ndarray],
@@ -179,7 +179,7 @@ class Samples:
         """Return how the residuals that go by a channel move with it."""
         step = _STEP * (abs(self.mean(self._channels[channel])) or 1.0)
         moved = {**self._channels, channel: self._channels[channel] + step}
-        known = self._measured_state(self._model, moved)
+        known = self._state(self._model, moved)
         return {name: (self._residual(name, self._model, moved, known) - before) / step
                 for name, before in self.residuals.items()
                 if channel in self._balances[name].channels(moved) or channel in self._instead}
@@ -192,7 +192,7 @@ class Samples:
         moved = self._model.changed({}, {key: 1.0 + _STEP})
         # What a log of the open circuit tells hangs on oil and hydromotor alone.
         known = self.known if section in ('pump', 'loading') and 'true' not in self.known else (
-            self._measured_state(moved, self._channels))
+            self._state(moved, self._channels))
         return {name: (self.residuals[name] - self._residual(
             name, moved, self._channels, known)) / _STEP for name in near}
 
@@ -201,7 +201,7 @@ class Samples:
         key = (effect, *values.items())
         if key not in self._by_effect:
             moved = self._model.with_effect(effect, values)
-            known = self._measured_state(moved, self._channels)
+            known = self._state(moved, self._channels)
             self._by_effect[key] = {
                 name: before - self._residual(name, moved, self._channels, known)
                 for name, before in self.residuals.items()}

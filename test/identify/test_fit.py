@@ -110,7 +110,7 @@ def test_columns_that_are_wrong_lead_there_too(share):
 
 
 def covered(noise, off=0.0, count=300):
-    """Return how often an interval holds a size of 2; ``off`` is what the unit is off the make."""
+    """Return how often an interval holds a size of 2; ``off``: a factor's, in tolerances."""
     hits = 0
     for seed in range(count):
         campaign = problem(seed, np.array([0.0, off, 2.0]), noise)

@@ -5,12 +5,14 @@ from dataclasses import replace
 from test.diagnose import benches
 from test.measure.test_circuit import campaign as closed_campaign
 from test.truth import make_campaign
+from types import SimpleNamespace
 
 from bench.campaigns import run_of
 from hst_drive.identify.calibrate import calibrated
+from hst_drive.identify.columns import Column
 from hst_drive.identify.judge import CLEAN_RATIO, over_own_floors, unexplained
 from hst_drive.identify.part import campaign_of
-from hst_drive.identify.recording import in_time
+from hst_drive.identify.recording import in_time, lasting
 from hst_drive.rig import parse_rig
 import numpy as np
 import pytest
@@ -70,7 +72,7 @@ def test_a_zero_within_the_noise_of_a_sensor_is_no_physics(tmp_path, noises, exp
 
 @pytest.mark.parametrize('rows, explained', [(1, True), (30, False)])
 def test_scatter_that_grows_with_what_is_read_is_no_physics(rows, explained):
-    """A torque meter scatters by 2 % of its reading; or it is off by as much for 0.3 s each."""
+    """A torque meter scatters by 2 % of its reading, from row to row or every 0.3 s."""
     run = benches.motor_bench(seed=6)
     random = np.random.default_rng(6)
     scatter = np.repeat(random.standard_normal(len(run) // rows), rows)
@@ -81,3 +83,14 @@ def test_scatter_that_grows_with_what_is_read_is_no_physics(rows, explained):
     own, there = over_own_floors(campaign, fitted)
     assert max(own.ratios(there.errors, None).values()) > CLEAN_RATIO
     assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
+
+
+@pytest.mark.parametrize('rows, apart', [(2000, 1), (2000, 60), (30, 60)])
+def test_what_lasts_is_no_scatter_however_short_the_log(rows, apart):
+    column = Column(0, 'flow', np.arange(rows), np.arange(0), 1.0, np.ones(rows))
+    campaign = SimpleNamespace(columns=[column], replays=[SimpleNamespace(
+        apart=lambda name: apart, run=SimpleNamespace(sample_time=0.01))])
+    assert lasting(campaign, [np.full(rows, 2.0)], 'flow', None) == pytest.approx(4.0)
+    if rows > apart:
+        white = 2.0 * np.random.default_rng(1).standard_normal(rows)
+        assert lasting(campaign, [white], 'flow', None) < 0.5

@@ -1,12 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Where fits start, on a drive in closed form that stalls where friction is too high."""
-import math
-
 from hst_drive.effects import catalogue
 from hst_drive.identify.model import Model
 from hst_drive.identify.starts import starts
 import numpy as np
+import pytest
 
 NAME, STALLS = 'stribeck_friction', 6.0     # N.m, where the shaft stands still
 SPEED = np.linspace(0.3, 12.0, 200)         # rad/s
@@ -14,7 +13,7 @@ TRUE = 4.0 * np.exp(-SPEED / 4.0)           # N.m, the exponential form
 
 
 class Stalling:
-    """A campaign of one signal: a friction too many, or one that stops the shaft."""
+    """A campaign of one signal: the friction that is missing; too much of it stops the shaft."""
 
     searched, adopted = ('always',), {}
 
@@ -43,4 +42,4 @@ def test_every_form_starts_at_a_size_with_which_the_drive_turns():
     found = [model.effects[NAME] for model in starts(
         Stalling(), np.zeros((len(SPEED), 0)), Model(), NAME, None)]
     exact = next(values for values in found if values['shape'] == 1.0)
-    assert math.isclose(exact['torque'], 4.0, rel_tol=0.05)
+    assert exact['torque'] == pytest.approx(4.0, rel=0.05)

@@ -74,9 +74,9 @@ def test_a_single_step_that_no_row_shows_is_known_to_half_a_period():
     hidden = np.where(np.arange(400) == 199, 2.0, 0.0)
     for step, high in ((0.0, hidden), (1.0, hidden)):
         command = values + step * np.sin(40 * time)
-        command_std = Steps(command, command, command + high).command_std(0.01)
-        assert np.all(command_std[:190] == 0.0) and np.all(command_std[260:] == 0.0)
+        std = Steps(command, command, command + high).time_std(0.01)
+        assert np.all(std[:190] == 0.0) and np.all(std[260:] == 0.0)
         if step:
-            assert 0.0 < command_std[210] < 2e-3
+            assert 0.0 < std[210] < 2e-3
         else:
-            assert np.allclose(command_std[200:240], 5e-3)
+            assert np.allclose(std[200:240], 5e-3)
