@@ -119,12 +119,12 @@ def misreadings(campaign: Campaign) -> Iterator[FreeForm]:
 def _misread(search: Search, best: Candidate) -> Iterator[_Cause]:
     """Yield readings that are wrong in zero and span, but for that of which an effect says so."""
     said = {catalogue()[name].slot for name in best.names} if len(best.names) == 1 else {}
-    for free_form in misreadings(search.campaign):
-        if FORMULAS[free_form.formula].slot in said:
+    for form in misreadings(search.campaign):
+        if FORMULAS[form.formula].slot in said:
             continue
         # From the datasheet: a unit calibrated without the cause has strayed to make up for it.
-        yield _Cause(search.campaign, with_start(Model(), free_form), search.base.columns,
-                     lambda found, form=free_form: Trial(form.what, found, form.unknown, form))
+        yield _Cause(search.campaign, with_start(Model(), form), search.base.columns,
+                     lambda found, form=form: Trial(form.what, found, form.unknown, form))
 
 
 def _mistaken(search: Search) -> Iterator[_Cause]:

@@ -32,10 +32,10 @@ def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
         if _left(others, unit):
             continue
         alone = campaign.of_logs(lambda index: index == log, all_to_fit=True)
-        for free_form in misreadings(campaign):
-            start = with_start(unit.model, free_form)
+        for form in misreadings(campaign):
+            start = with_start(unit.model, form)
             if not _left(alone, fit(alone, start, iterations=PATIENT)):
-                return log, free_form.what
+                return log, form.what
     return None
 
 

@@ -3,6 +3,7 @@
 """Where the fit of an effect starts: the error may have several valleys."""
 from __future__ import annotations
 
+from functools import partial
 from typing import Iterator, Mapping, Sequence
 
 from hst_drive.effects import effect_of
@@ -54,11 +55,6 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     def shaped(entry: Mapping[str, float]) -> Model:
         return base.with_effect(name, {**values, **entry, **form})
 
-    residual = campaign.training(campaign.errors(base, to_fit=True))
-
-    def promising(free: Sequence[Model], there: Sequence[Model]) -> list[tuple[float, Model]]:
-        return [*_promising(campaign, factors, residual, name, free, there)]
-
     if effect.order:
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [shaped({effect.order: float(entry)}) for entry in found] or [shaped({})]
@@ -66,16 +62,19 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     declared = [entry for entry in effect.starts if 'parts' not in campaign.searched
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
-    if len(declared) > _MANY:
-        near = _near(campaign, base, [shaped(entry) for entry in declared])
-        if not near:
-            return [shaped({})]
+    many = len(declared) > _MANY
+    near = _near(campaign, base, [shaped(entry) for entry in declared]) if many else []
+    if many and not near:
+        return [shaped({})]
+    promising = partial(_promising, campaign, factors,
+                        campaign.training(campaign.errors(base, to_fit=True)), name)
+    if many:
         # Without a torque all are near: beside others so many simulations take too long.
         told = near if alone is None or len(near) <= _NEAR else []
-        tried = promising([], [*told, *fitted])
+        tried = [*promising([], [*told, *fitted])]
     else:
         sizes = [off + share * (values[size] - off) for share in (1.0, _LESS)]
-        tried = promising([shaped({size: entry}) for entry in sizes], [])
+        tried = [*promising([shaped({size: entry}) for entry in sizes], [])]
         # A size that stalls the drive in the model says nothing of a form; nor does a form that
         # takes nothing away say anything of the size.
         (_, nearer), turns = min(zip(tried, sizes), key=lambda entry: entry[0][0])

@@ -135,7 +135,7 @@ def test_intervals_are_not_too_wide_where_samples_are_independent():
     assert 0.88 <= covered(None) <= 0.985
 
 
-@pytest.mark.parametrize('off, least, most', [(0.0, 0.93, 1.0), (3.0, 0.89, 0.985)])
+@pytest.mark.parametrize('off, least, most', [(0.0, 0.93, 0.995), (3.0, 0.89, 0.985)])
 def test_intervals_hold_the_truth_where_the_unit_is_far_off_its_make(off, least, most):
     """A factor that moves the errors nearly as the effect does is drawn to the datasheet."""
     def noise(random, matrix):
