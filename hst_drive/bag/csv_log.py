@@ -32,6 +32,7 @@ import numpy as np
 
 _MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
 _NO_UNIT = ('', '-')
+_SHOWN = 300    # characters of a header in a message
 
 
 class Layout(NamedTuple):
@@ -136,7 +137,8 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
     lines, rows = lines[layout.lines:], rows[layout.lines:]
     lines = layout.whole_rows(lines, rows)
     if not lines:
-        raise InputError(f'{path}: has a header but no rows of data')
+        raise InputError(f'{path}: has a header but no rows of data; record it again, or leave '
+                         'the log out')
     time, channels = layout.read(lines, rows, whole=True)
     return finish_run(Path(path).stem, time, channels, str(path), layout.notes)
 
@@ -192,7 +194,7 @@ def picks_of(header: list[str], channel_map: ChannelMap, path: str,
 def _column(entry: Entry, header: list[str], names: list[str], path: str, source: str) -> int:
     for known in (header, names):
         if known.count(entry.source) > 1:
-            raise InputError(f'{path}: column {entry.source!r} comes twice')
+            raise InputError(f'{path}: column {entry.source!r} comes twice; keep one')
         if entry.source in known:
             return known.index(entry.source)
     if source and entry.source != 'time':
@@ -200,7 +202,8 @@ def _column(entry: Entry, header: list[str], names: list[str], path: str, source
         hint = f'; did you mean {near[0]!r}?' if near else ''
         raise InputError(f'{source}: {entry.channel}: {path} has no column {entry.source!r}{hint}')
     raise InputError(f'{path}: has no column time[s]; its columns are '
-                     f'{", ".join(header)}. Rename one, or name it under "time" in a channel map')
+                     f'{", ".join(header)[:_SHOWN]}. Rename one, or name it under "time" '
+                     'in a channel map')
 
 
 def _unit(entry: Entry, cell: str, path: str) -> str:
@@ -249,6 +252,7 @@ def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, hea
                 cell = cells[column].strip()
                 if cell.lower() not in _MISSING:
                     raise InputError(f'{path}: row {rows[index]}, column {header[column]!r}: '
-                                     f'expected a number, found {cell[:40]!r}') from None
+                                     f'expected a number, found {cell[:40]!r}; leave a cell '
+                                     'without a reading empty') from None
                 out[index, place] = np.nan
     return out[:index + 1]

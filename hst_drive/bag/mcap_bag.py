@@ -38,7 +38,8 @@ def read_streams(path: Path, wanted: Callable[[str], bool]) -> Iterator[list[Str
 
     """
     if not is_mcap(path):
-        raise InputError(f'{path}: not an MCAP file (it does not begin with the MCAP mark)')
+        raise InputError(f'{path}: not an MCAP file (it does not begin with the MCAP '
+                         'mark); record it again, or leave the log out')
     if not is_finished(path):
         raise cut_error(path)
     collector = Collector(wanted)

@@ -96,10 +96,12 @@ def check_time(time: np.ndarray, rows: Sequence[int], path: str) -> None:
     """Raise InputError, with the row, unless stamps are finite and rise."""
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
-        raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite')
+        raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite; '
+                         'leave the row out')
     back = np.flatnonzero(np.diff(time) <= 0)
     if len(back):
         at = back[0]
         what = 'runs back' if time[at + 1] < time[at] else 'stands still'
         raise InputError(f'{path}: row {rows[at + 1]}: the time {what} ({time[at]:.9g} s, then '
-                         f'{time[at + 1]:.9g} s); expected rising time stamps')
+                         f'{time[at + 1]:.9g} s); expected rising time stamps; '
+                         'leave out the rows that come twice')

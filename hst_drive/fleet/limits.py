@@ -59,6 +59,9 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
     if abs(limit) > _LARGER * max(abs(size.low), abs(size.high)):
         raise InputError(f"{source}: '{key}' is {value}, more than is plausible on a machine; "
                          f"check its unit, expected something like '{size.example}'")
+    if limit < 0.0 <= size.low:
+        raise InputError(f"{source}: '{key}' is {value}, below what it is without the effect; "
+                         f"it only grows: expected something like '{size.example}'")
     if not limit:
         raise InputError(f"{source}: '{key}' is {value}: there the effect is not there at all")
     return (name, size.name), limit

@@ -147,7 +147,8 @@ def day_of(text: str) -> float:
 def _machine(name: str, lives: Lives, limits: Limits) -> Machine:
     own = sorted((row for row in lives.rows if row['machine'] == name),
                  key=lambda row: (row['date'] or '', row['campaign']))
-    done = [row['diagnosis'] for row in own if row['diagnosis']]
+    judged = [row for row in own if row['diagnosis']]
+    done = [row['diagnosis'] for row in judged]
     entries = sorted(_followed([row for row in lives.sizes if row['machine'] == name], limits),
                      key=_urgency_of)
     state = _state(entries, done[-1] if done else None)
@@ -156,7 +157,7 @@ def _machine(name: str, lives: Lives, limits: Limits) -> Machine:
         sum(row['status'] == 'failed' for row in own),
         dict(Counter(entry['verdict'] for entry in done)),
         dict(Counter(effect['id'] for entry in done for effect in entry['effects'])),
-        tuple(entries), tuple(events(entries)), own[-1]['date'] or '',
+        tuple(entries), tuple(events(entries)), (judged or own)[-1]['date'] or '',
         done[-1]['sentence'] if done else own[-1]['reason'] or '',
         tuple(effect['id'] for effect in done[-1]['effects']) if done else ())
 

@@ -5,7 +5,8 @@ Which seconds of a recording a model of the whole drive is judged on.
 
 Left out is what hangs on something that no channel shows: the moment at which the drive breaks
 away from standstill, a motion that began before the recording did, oil that comes and goes where
-the inlet cavitates, and a load while the speed was not read. All are told from the measurement
+the inlet cavitates, a load while the speed was not read, and what follows a command that was not
+read. All are told from the measurement
 alone, never from the error, and together they may take ``MOST`` of a recording: what fills more of
 it is how the drive runs (or what its pressure sensor says), and an error there is an error.
 """
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from hst_drive.channels import CHANNELS, COMMANDS
 from hst_drive.measure.faults import stretches
 from hst_drive.measure.run import Run
 import numpy as np
@@ -64,7 +66,8 @@ def judged(run: Run) -> Judged:
     for why, part in (('start from rest', rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time)),
-                      ('hydromotor speed missing', _without_speed(run, time))):
+                      *((f'{CHANNELS[name].title} missing', _without(run, time, name))
+                        for name in ('motor_speed', *COMMANDS))):
         if np.mean(out | part) > MOST:
             kept[why] = float(np.mean(part))
         elif part.any():
@@ -106,10 +109,10 @@ def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
     return (last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)
 
 
-def _without_speed(run: Run, time: np.ndarray) -> np.ndarray:
-    """Tell where the speed is missing for longer than can be bridged: the load goes with it."""
+def _without(run: Run, time: np.ndarray, name: str) -> np.ndarray:
+    """Tell where a channel that all goes by is missing for longer than can be bridged."""
     out = np.zeros(len(time), dtype=bool)
-    missing = ~np.isfinite(run.channels.get('motor_speed', np.zeros(len(time))))
+    missing = ~np.isfinite(run.channels.get(name, np.zeros(len(time))))
     for first, end in stretches(missing) if not missing.all() else ():
         if time[end - 1] - time[first] > _AFTER:
             out |= (time >= time[first]) & (time < time[end - 1] + _AFTER)

@@ -5,16 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hst_drive.channels import CHANNELS
+from hst_drive.channels import CHANNELS, COMMANDS
 from hst_drive.measure.balances import closed, is_part
 from hst_drive.measure.compare import Comparison, LogComparison
 from hst_drive.measure.errors import ErrorSummary
 from hst_drive.measure.plausibility import drifts, unit_doubts
+from hst_drive.measure.replay import SIGNALS
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import too_slow
 from hst_drive.measure.where import Region, TRANSIENT
 from hst_drive.report.terminal import table
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN, WHOLE
 from hst_drive.units import difference_from_si, from_si
 
 _MOST_SPANS = 12
@@ -26,15 +28,27 @@ def remarks(rig: Rig, runs: Sequence[Run]) -> list[str]:
     lines = []
     for entry in runs:
         lines += [f'{entry.name}: {note}' for note in entry.notes]
-        if rig.whole and is_part(entry, rig):
-            lines.append(f'{entry.name}: no replay of the whole drive, which needs pump_command '
-                         'and pprv_command; judged one by one: '
-                         + ', '.join(balance.name for balance in closed(entry, rig).values()))
+        lines += _by_part(rig, entry)
         if slow := too_slow(rig, entry):
             lines.append(f'{entry.name}: {slow}')
         lines += [f'{entry.name}: {line}; mend the unit, or leave the column out'
                   for line in unit_doubts(rig, entry)]
     return lines + [drift.told for drift in drifts(rig, runs)]
+
+
+def _by_part(rig: Rig, run: Run) -> list[str]:
+    """Say why a log of a whole drive, or of what may be one, is judged by its balances alone."""
+    lacks = [name for name in WHOLE if getattr(rig, name) is None]
+    if not is_part(run, rig) or rig.circuit != OPEN or lacks and not {*COMMANDS} <= {
+            *run.channels}:
+        return []
+    why = (f"'{rig.source or rig.name}' has no section {', '.join(lacks)}" if lacks else
+           'which needs pump_command and pprv_command')
+    found = closed(run, rig)
+    unseen = [CHANNELS[name].title for name in SIGNALS if name in run and name not in found]
+    return [f'{run.name}: no replay of the whole drive, {why}; judged one by one: '
+            + ', '.join(balance.name for balance in found.values())
+            + (f'; not judged: {", ".join(unseen)}' if lacks and unseen else '')]
 
 
 def text(result: Comparison, most_regions: int = 8) -> str:

@@ -11,6 +11,7 @@ from hst_drive.measure.run import Run
 from hst_drive.resources import share
 import numpy as np
 import pytest
+import yaml
 
 from .verbs import calls_of
 from ..measure.synthetic import record
@@ -235,6 +236,25 @@ def test_what_cannot_be_written_or_counts_twice_is_told_at_once(log, tmp_path, c
     copy = tmp_path / 'copy.csv'
     copy.write_bytes(log.read_bytes())
     assert f'{copy}: holds the same recording as {log}' in refused(capsys, log, copy)
+
+
+def test_a_copy_in_another_format_counts_twice(run, log, tmp_path, capsys):
+    """A CSV rounds what a bag holds, and its clock begins at 0."""
+    copy = tmp_path / 'rounded.csv'
+    write_csv(copy, Run('rounded', np.round(run.time - run.time[0], 6), {
+        name: values * (1.0 + 1e-8) for name, values in run.channels.items()
+        if name != 'speed_setpoint'}))
+    assert f'{copy}: holds the same recording as {log}' in refused(capsys, log, copy)
+
+
+def test_a_rig_that_lacks_a_section_is_told_with_what_is_not_judged(log, tmp_path, capsys):
+    content = yaml.safe_load(share('config', 'rig', 'test_rig.yaml').read_text())
+    rig = tmp_path / 'rig.yaml'
+    rig.write_text(yaml.safe_dump({key: value for key, value in content.items()
+                                   if key != 'motor'}))
+    code, _, err = command(capsys, log, '--rig', rig)
+    assert code == 0 and f"no replay of the whole drive, '{rig}' has no section motor" in err
+    assert 'not judged: ' in err and 'hydromotor speed' in err.partition('not judged: ')[2]
 
 
 def test_a_frozen_channel_is_told(run, tmp_path, capsys):

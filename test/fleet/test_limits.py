@@ -26,6 +26,7 @@ def test_units_and_short_forms():
     ('motor_leakage=nan', 'expected a number with a unit of'),
     ('motor_leakage=0.02 bar', "as '0.0078 L/min/bar'"),
     ('motor_leakage=3', "more than is plausible .* check its unit, .* '0.0078 L/min/bar'"),
+    ('motor_leakage=-0.02 L/min/bar', 'below what it is without'),
     ('motor_leakage=0', 'not there at all')])
 def test_slips_are_one_line(text, told):
     with pytest.raises(InputError, match=told.replace('?', '[?]')) as caught:

@@ -32,6 +32,14 @@ def test_a_recording_that_starts_running_counts_whole():
     assert judged(run(speed=gaps)).samples.all()
 
 
+@pytest.mark.parametrize('seconds, left_out', [(0.5, 0.0), (3.0, 4.0)])
+def test_what_follows_a_command_that_was_not_read_is_left_out(seconds, left_out):
+    command = np.where((TIME >= 20.0) & (TIME < 20.0 + seconds), np.nan, 5.0)
+    found = judged(Run('a', TIME, {**run().channels, 'pprv_command': command}))
+    assert found.seconds_left_out == pytest.approx(left_out, abs=0.05)
+    assert all(span.why == 'PPRV command missing' for span in found.left_out)
+
+
 def test_start_and_cavitation_are_left_out_with_what_rings_after():
     speed = np.where(TIME < 1.5, 0.0, 10.0)
     pressure = np.where((TIME >= 20) & (TIME < 21), -1e5, 60e5)
