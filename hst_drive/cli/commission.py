@@ -64,18 +64,26 @@ def run(args: argparse.Namespace) -> int:
 def text(found: Commissioned) -> str:
     """Return the fingerprint for a terminal."""
     from hst_drive.effects.leakage_temperature import OIL_LAW
+    from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, ZEROS
 
     rows = [[entry.quantity, f'{entry.factor:.4f}', f'{100 * entry.sigma:.2g}',
              f'{100 * entry.make:.2g}'] for entry in found.quantities]
-    lines = [table(['quantity', 'factor on the datasheet', 'known to [%]', 'make [%]'], rows), '',
+    header = ['quantity', 'factor on the datasheet', 'known to [%, 1 sigma]', 'make [%, 1 sigma]']
+    lines = [table(header, rows), '',
              'from day to day (one sigma): '
              f'{found.day_to_day:g} of the tolerance of the make, '
              + ('from these logs' if found.from_logs else 'as stated'),
              'commissioned for: ' + ', '.join(_conditions(found))]
+    learnt = found.rig['commissioned']
+    if zeros := learnt.get(ZEROS):
+        lines.append('zeros of sensors (one sigma): ' + ', '.join(
+            f'{name} {value:.3g} ({sigma:.2g})' for name, (value, sigma) in zeros.items()))
     law = (found.rig.get('effects') or {}).get(OIL_LAW)
     if law:
         lines.append("its leakage follows the oil's viscosity to the power "
-                     f"{law['exponent']:.2g}: '{OIL_LAW}' is part of this machine, and no fault")
+                     f"{law['exponent']:.2g}"
+                     + (f' (one sigma {learnt[OIL_LAW_SIGMA]:.2g})' if OIL_LAW_SIGMA in learnt
+                        else '') + f": '{OIL_LAW}' is part of this machine, and no fault")
     untold = [entry for entry in found.quantities if entry.test]
     if untold:
         lines += ['', 'these logs tell little of (the tolerance of the make stays); what would '

@@ -30,7 +30,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
-from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION
+from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
 from hst_drive.units import from_si
 import numpy as np
 
@@ -151,12 +151,12 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     progress('commissioning the machine')
     fitted = calibrated(campaign)
     known = spread(campaign, fitted, between_points=0.0)
-    names = [*campaign.tolerances]
+    names = [name for _, name in known.unknowns.names]
     covariance = known.unknowns.mix(known.unknowns.mix(known.covariance).T)
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    make = np.array([made.tolerances.get(key, campaign.tolerances[key]) for key in names])
+    make = np.array([made.tolerances.get(key, known.unknowns.tolerances[key]) for key in names])
     covariance += np.diag((day_to_day * make)**2)
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
@@ -166,9 +166,14 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
     correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)
     unit[SECTION] = {
-        'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)},
+        'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)
+                           if key in campaign.tolerances},
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
+    if campaign.zeros:
+        unit[SECTION][ZEROS] = dict(
+            zero_entry(name, made.zeros.get(name, 0.0) + fitted.model.zeros[name], sigma)
+            for name, sigma in zip(names, sigmas) if name in campaign.zeros)
     if law:
         unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
@@ -181,7 +186,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     return Commissioned(unit, tuple(
         Quantity(key, factors[key], float(sigma), float(tolerance),
                  _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
-        for key, sigma, tolerance in zip(names, sigmas, make)), day_to_day, from_logs)
+        for key, sigma, tolerance in zip(names, sigmas, make) if key in campaign.tolerances),
+        day_to_day, from_logs)
 
 
 def _of_make(rig: dict, source: str) -> tuple[Rig, Rig]:
@@ -241,10 +247,10 @@ def repeatability(campaign: Campaign, fitted: Fit) -> float:
     The likeliest standard deviation of the unknowns between the logs, from the slope of each
     log's error at what fits all. What is usual (``DAY_TO_DAY``) counts as much as one log more.
     """
-    count = len(campaign.tolerances)
+    count = len(fitted.names)
     residual = campaign.training(fitted.errors)
     owner = np.concatenate([np.full(len(column.fit), column.log) for column in campaign.columns])
-    jacobian, blocks = fitted.jacobian[:, :count], campaign.fitted_blocks()
+    jacobian, blocks = fitted.jacobian, campaign.fitted_blocks()
     chance = -0.5 * count * (np.log(_SHARES**2) + DAY_TO_DAY**2 / _SHARES**2)
     for log in range(len(campaign.replays)):
         rows = np.flatnonzero(owner == log)

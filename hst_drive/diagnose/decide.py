@@ -14,7 +14,7 @@ from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import instead_of_the_unit, likeliest, posterior, rivals_of
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
-    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
+    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
 from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
@@ -120,7 +120,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
-        calibration=_calibration(campaign, best.fit),
+        calibration=_calibration(campaign, best.fit), zeros=_zeros(campaign, best.fit),
         probability=posterior(search, best, rivals, verdict), unknown=remaining,
         next_test=_measure(search, best, limited) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
@@ -277,6 +277,12 @@ def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
         (Calibrated(key, campaign.expected.get(key, 1.0) * math.exp(value),
                     value / campaign.tolerances[key], at_limit(campaign, key, value))
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
+
+
+def _zeros(campaign: Campaign, fitted: Fit) -> tuple[Zero, ...]:
+    return tuple(sorted((Zero(name, value, CHANNELS[name].unit, value / campaign.zeros[name])
+                         for name, value in fitted.model.zeros.items()),
+                        key=lambda item: -abs(item.sigmas)))
 
 
 def _measure(search: Search, best: Candidate, limited: Sequence[str]) -> NextTest:

@@ -35,6 +35,7 @@ def as_json(result: Diagnosis) -> dict:
                                     'unit': catalogue()[name].size.unit}
                              for name, size in result.smallest.items()},
         'calibration': [entry._asdict() for entry in result.calibration],
+        'sensor_zeros': [entry._asdict() for entry in result.zeros],
         'rivals': result.rivals,
         'probability': _probability(result.probability),
         'unknown': _unknown(unknown) if unknown else None,

@@ -130,6 +130,19 @@ class NextTest(NamedTuple):
     models: tuple[dict[str, dict[str, float]], ...] = ()
 
 
+class Zero(NamedTuple):
+    """
+    What a sensor reads beyond the truth throughout, by its channel; SI.
+
+    ``sigmas`` counts it in the standard deviation of what it may be.
+    """
+
+    channel: str
+    value: float
+    unit: str
+    sigmas: float
+
+
 class Calibrated(NamedTuple):
     """A quantity of this unit: factor on the datasheet, in tolerances, and at its limit or not."""
 
@@ -163,6 +176,8 @@ class Diagnosis:
         logs is expected to decide for it.
     calibration : tuple of Calibrated
         How this unit is off its datasheet.
+    zeros : tuple of Zero
+        How its sensors are off at zero.
     probability : Probability
         Of each set of effects, of none and of something unlisted.
     unknown, next_test
@@ -188,6 +203,7 @@ class Diagnosis:
     not_observable: dict[str, str]
     smallest: dict[str, float]
     calibration: tuple[Calibrated, ...]
+    zeros: tuple[Zero, ...]
     probability: Probability
     unknown: Unknown | None = None
     next_test: NextTest | None = None

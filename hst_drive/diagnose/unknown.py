@@ -20,7 +20,6 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import gain, over_own_floors, parts, PRACTICAL, unexplained
-from hst_drive.identify.model import Model
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
 
@@ -127,8 +126,7 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
     except KeyError:
         # A variable that is not known where the formula enters.
         return None
-    fitted = fit(campaign, Model({**model.model.effects, name: start}, model.model.factors),
-                 iterations=4, refresh=True)
+    fitted = fit(campaign, model.model.with_effect(name, start), iterations=4, refresh=True)
     return Carried(name, fitted)
 
 

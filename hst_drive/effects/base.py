@@ -136,6 +136,8 @@ class Effect:
     kept : bool
         Whether what a pump lacks or a hydromotor takes in (``pump_flow_loss``,
         ``motor_flow_loss``) goes from line to line, so that in a closed circuit it is not lost.
+    zero_of : tuple of str
+        Channels whose sensor's zero it is, in whatever circuit: with it that zero is not fitted.
 
     Raises
     ------
@@ -164,6 +166,7 @@ class Effect:
     form_of: tuple[str, str] | None = None
     both_ways: bool = False
     kept: bool = False
+    zero_of: tuple[str, ...] = ()
 
     def __post_init__(self):
         if not self.id.isidentifier():

@@ -25,4 +25,5 @@ EFFECT = Effect(
     shows_in=('pump_outlet_pressure',),
     alike=('back_pressure', 'bearing_friction'),
     gauge='a calibrated gauge beside the pressure sensor',
+    zero_of=('pump_outlet_pressure', 'line_a_pressure'),
 )

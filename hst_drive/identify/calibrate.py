@@ -3,6 +3,8 @@
 """The fit of the unit alone, as deep as it goes."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import cost_of, Fit, fit
@@ -36,9 +38,8 @@ def without_adopted(campaign: Campaign, base: Fit) -> Fit:
     """Return the unit's fit with the errors that it has without what the rig has adopted."""
     if not campaign.adopted:
         return base
-    return base._replace(errors=campaign.errors(Model(
-        {name: effect_of(name).neutral for name in campaign.adopted},
-        base.model.factors)))
+    return base._replace(errors=campaign.errors(replace(base.model, effects={
+        name: effect_of(name).neutral for name in campaign.adopted})))
 
 
 def _fits(campaign: Campaign, fitted: Fit) -> bool:
@@ -53,8 +54,8 @@ def _deepest(campaign: Campaign, plain: Fit) -> Fit:
     all else stays, where one factor has the other end of its tolerance: from there it goes on.
     """
     unknowns = Unknowns(campaign, plain.model)
-    vector = unknowns.pack(plain.model)
-    if not len(vector):
+    vector, factors = unknowns.pack(plain.model), len(campaign.tolerances)
+    if not factors:
         return plain
 
     def at(index: int, end: float) -> tuple[float, Model]:
@@ -64,7 +65,7 @@ def _deepest(campaign: Campaign, plain: Fit) -> Fit:
         errors = campaign.errors(model, to_fit=True)
         return cost_of(unknowns, moved, campaign.training(errors)), model
 
-    cost, start = min((at(index, end) for index in range(len(vector)) for end in (-1.0, 1.0)),
+    cost, start = min((at(index, end) for index in range(factors) for end in (-1.0, 1.0)),
                       key=lambda item: item[0])
     if cost >= plain.cost:
         return plain

@@ -77,6 +77,18 @@ class Campaign:
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
         self._shaking = [replay.shakes for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
+        self.zeros = self._zeros()
+
+    def _zeros(self) -> dict[str, float]:
+        """Return one standard deviation of the zero of each sensor, SI: as told, or its noise."""
+        scatter: dict[str, float] = {}
+        for replay in self.replays:
+            for name, noise in replay.sensor_noise.items():
+                scatter[name] = min(noise, scatter.get(name, np.inf))
+        stated = {name: sensor.zero_std for name, sensor in self.rig.sensors.items()}
+        known = self.rig.fingerprint.zeros if self.rig.fingerprint else {}
+        return {name: known[name][1] if name in known else stated.get(name) or noise
+                for name, noise in scatter.items() if noise > 0.0}
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -234,10 +246,16 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
+        drive.zeros = self._read_beyond(model)
         drive.scale(model.scales)
         for name, values in model.effects.items():
             drive.switch_on(name, values)
         return drive
+
+    def _read_beyond(self, model: Model) -> dict[str, float]:
+        """Return what each sensor reads beyond the truth throughout, SI, as a model says."""
+        return {name: self.rig.zeros.get(name, 0.0) + model.zeros.get(name, 0.0)
+                for name in {**self.rig.zeros, **model.zeros}}
 
     def floors_of(self, model: Model) -> list[dict[str, float]]:
         """Return the floors, log by log, of a drive that is as this model says."""

@@ -64,9 +64,10 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     spread = np.hypot(unsure * most, power * (most - usual))
     wider = {key: float(np.hypot(value, spread)) if key in _GAPS else value
              for key, value in sigmas.items()}
-    shrunk = {key: sigmas[key] / wider[key] for key in sigmas}
+    shrunk = {key: sigmas[key] / wider[key] for key in _GAPS if key in sigmas}
     return Prior({key: float(np.exp(power * usual)) for key in _GAPS if key in sigmas}, wider, {
-        (one, other): value if one == other else value * shrunk[one] * shrunk[other]
+        (one, other): value if one == other else (
+            value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
         for (one, other), value in rig.fingerprint.correlation.items()})
 
 

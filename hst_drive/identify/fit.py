@@ -8,6 +8,7 @@ tens of thousands of samples a prior alone is outvoted, and the factors would ea
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import count as count_from
 from types import MappingProxyType
 from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
@@ -59,9 +60,8 @@ class Fit(NamedTuple):
 
     def only(self, names: Collection[str]) -> Fit:
         """Return the model and the columns to start from with some of the effects."""
-        return self._replace(model=Model(
-            {name: values for name, values in self.model.effects.items() if name in names},
-            self.model.factors))
+        return self._replace(model=replace(self.model, effects={
+            name: values for name, values in self.model.effects.items() if name in names}))
 
     def without(self, name: str) -> Fit:
         """Return the model and the columns to start from without an effect."""

@@ -19,11 +19,14 @@ class Model:
         Id to parameters, SI.
     factors : dict of str to float
         Natural logarithm of the factor on each quantity of ``rig.tolerances``.
+    zeros : dict of str to float
+        What each sensor reads beyond the truth throughout, by channel, SI.
 
     """
 
     effects: dict[str, dict[str, float]] = field(default_factory=dict)
     factors: dict[str, float] = field(default_factory=dict)
+    zeros: dict[str, float] = field(default_factory=dict)
 
     @property
     def scales(self) -> dict[str, float]:

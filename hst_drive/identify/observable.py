@@ -108,11 +108,11 @@ class _Shows:
         self._more = sum(len(column.rows(None)) for column in campaign.columns) / max(
             sum(len(column.fit) for column in campaign.columns), 1)
         self._weight = self._more * weight(len(campaign.signals))
-        self._factors = base.jacobian[:, :len(campaign.tolerances)]
+        unknowns = Unknowns(campaign, base.model)
+        self._factors = base.jacobian[:, :unknowns.factors]
         self._moved = [self._signals(column) for column in self._factors.T]
         self._root = np.linalg.cholesky(
             self._factors.T @ self._factors + np.eye(self._factors.shape[1])).T
-        unknowns = Unknowns(campaign, base.model)
         self._held = unknowns.pack(base.model)[:unknowns.factors]
         self._room = -SIGMAS - self._held - 1e-6, SIGMAS - self._held + 1e-6
 

@@ -60,6 +60,8 @@ class PartCampaign(Campaign):
         self._still = self.errors(Model())
         self.tolerances = {key: value for key, value in self.tolerances.items()
                            if self._moves(Model({}, {key: value}))}
+        self.zeros = {name: value for name, value in self.zeros.items()
+                      if self._moves(Model({}, {}, {name: value}))}
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
@@ -111,7 +113,9 @@ class PartCampaign(Campaign):
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
-        return self.drive.changed(model.effects, model.scales)
+        part = self.drive.changed(model.effects, model.scales)
+        part.zeros = self._read_beyond(model)
+        return part
 
     def to_record(self, models: Sequence[Model]) -> str:
         """Say what to record next, to tell a model from others that explain these logs as well."""

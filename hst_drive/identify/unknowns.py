@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Collection, Sequence
 
+from hst_drive.effects import effect_of
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.model import Model
@@ -25,9 +26,10 @@ class Unknowns:
     """
     The unknowns of a model as a vector.
 
-    A factor counts in tolerances, a parameter of an effect in its typical size (one that is
-    typically 0 in the greatest it may have). What is in ``kept``, (effect, parameter) or
-    ('', factor), stays as the model has it.
+    A factor or a sensor's zero counts in tolerances, a parameter of an effect in its typical size
+    (one that is typically 0 in the greatest it may have). What is in ``kept``, (effect,
+    parameter) or ('', factor or channel), stays as the model has it; a zero of which an effect
+    says all (``Effect.zero_of``) is none.
 
     Where factors are known together (``Campaign.ties``), the unknowns are those mixtures that are
     independent, each the nearest to its factor: the root of the correlation is symmetric. So the
@@ -36,9 +38,12 @@ class Unknowns:
 
     def __init__(self, campaign: Campaign, model: Model,
                  kept: Collection[tuple[str, str]] = ()):
-        self.tolerances = campaign.tolerances
+        self.tolerances = {**campaign.tolerances, **campaign.zeros}
         self.start = model
-        factors = [('', key) for key in campaign.tolerances if ('', key) not in kept]
+        self._zeros = {*campaign.zeros}
+        self._said = {channel for name in model.effects for channel in effect_of(name).zero_of}
+        factors = [('', key) for key in self.tolerances
+                   if key not in self._said and ('', key) not in kept]
         self.names = (*factors,
                       *((name, key) for name, values in model.effects.items() for key in values
                         if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
@@ -72,8 +77,8 @@ class Unknowns:
 
     def pack(self, model: Model) -> np.ndarray:
         """Return the vector of a model."""
-        vector = np.array([model.factors.get(key, 0.0) if not effect
-                           else model.effects[effect][key]
+        unit = {**model.factors, **model.zeros}
+        vector = np.array([unit.get(key, 0.0) if not effect else model.effects[effect][key]
                            for effect, key in self.names]) / self.scale
         vector[:self.factors] = np.linalg.solve(self._root, vector[:self.factors])
         return vector
@@ -82,10 +87,9 @@ class Unknowns:
         """Return the model of a vector."""
         values = self.mix(np.clip(vector, self.low, self.high))
         factors = dict(self.start.factors)
+        zeros = {key: value for key, value in self.start.zeros.items() if key not in self._said}
         effects = {name: dict(values) for name, values in self.start.effects.items()}
         for (effect, key), value in zip(self.names, values):
-            if effect:
-                effects[effect][key] = float(value)
-            else:
-                factors[key] = float(value)
-        return Model(effects, factors)
+            known = effects[effect] if effect else zeros if key in self._zeros else factors
+            known[key] = float(value)
+        return Model(effects, factors, zeros)

@@ -144,6 +144,11 @@ class PartReplay:
         """Return the rows in which a signal can be judged."""
         return np.isfinite(self.run[name])
 
+    @property
+    def sensor_noise(self) -> dict[str, float]:
+        """White noise of each sensor, SI."""
+        return {**self._input_noise, **self.noise}
+
     @cached_property
     def reverses(self) -> bool:
         """Whether the shaft turns both ways."""
@@ -254,9 +259,11 @@ class PartReplay:
             Added to channels, SI.
 
         """
-        channels = self._channels if extra is None else {
-            name: values + extra.get(name, 0.0) for name, values in self._channels.items()}
-        return self._predicted(model, self.balances, channels, self._weak)
+        zeros, extra = model.zeros, extra or {}
+        channels = {name: values + extra.get(name, 0.0) - zeros.get(name, 0.0)
+                    for name, values in self._channels.items()}
+        return {name: values + zeros.get(name, 0.0) for name, values in self._predicted(
+            model, self.balances, channels, self._weak).items()}
 
     def would_read(self, model: PartModel,
                    balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:

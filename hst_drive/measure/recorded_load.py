@@ -96,8 +96,9 @@ class RecordedLoad:
             return np.inf
         return float(np.hypot(sensor.noise_std, self.readings.step(name)))
 
-    def _unexplained(self, load: np.ndarray) -> np.ndarray:
-        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+    def _unexplained(self, drive: Drive, load: np.ndarray) -> np.ndarray:
+        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0)
+                                       ) - drive.zeros.get(self.torque, 0.0)
         rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))
@@ -120,7 +121,7 @@ class RecordedLoad:
 
     def _shaft(self, drive: Drive) -> Behind | None:
         # A stiff one, as most are, asks for no load model.
-        return self._behind(drive, self._unexplained(self._load_model(drive))) if (
+        return self._behind(drive, self._unexplained(drive, self._load_model(drive))) if (
             drive.has_flexible_shaft) else None
 
     def misread(self, drive: Drive) -> Coloured:
@@ -138,7 +139,7 @@ class RecordedLoad:
         return self._disturbance(drive, self._load_model(drive))
 
     def _disturbance(self, drive: Drive, load: np.ndarray) -> np.ndarray:
-        rest = self._unexplained(load)
+        rest = self._unexplained(drive, load)
         shaft = self._behind(drive, rest)
         if shaft:
             slow = self.readings.slow(rest)

@@ -109,7 +109,7 @@ class Replay(RecordedLoad):
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] | None = None
-        self._predicted: tuple[bytes, tuple, dict[str, np.ndarray]] | None = None
+        self._predicted: tuple[tuple, tuple, dict[str, np.ndarray]] | None = None
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
         if self.torque and 'motor_speed' in run:
@@ -182,11 +182,12 @@ class Replay(RecordedLoad):
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""
         self._turning = np.abs(self._speed) > STANDSTILL * drive.rig.full_speed
         load = self._load_model(drive)
-        rest = self._unexplained(load)
+        rest = self._unexplained(drive, load)
         if 'motor_speed' in self.run:
             # A late reading of the speed would pass for a rough load.
             speed = self._simulate(drive, self.readings.slow(rest))['motor_speed']
-            moved = self._unexplained(self._load_model(drive, self._true_speed(drive, speed)))
+            moved = self._unexplained(drive, self._load_model(
+                drive, self._true_speed(drive, speed)))
             late, prompt = (np.std(left - self.readings.slow(left)) for left in (rest, moved))
             if np.isfinite(speed).all() and prompt < _CLEARLY * late:
                 rest = moved
@@ -231,6 +232,11 @@ class Replay(RecordedLoad):
     def floor(self, drive: Drive, count: np.ndarray | None = None) -> dict[str, float]:
         """Return the rmse, by signal, that a perfect model would still show (``floor``)."""
         return replay_floor(self, drive, count)
+
+    @property
+    def sensor_noise(self) -> dict[str, float]:
+        """White noise of each sensor, SI."""
+        return self.noise
 
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""
@@ -280,14 +286,15 @@ class Replay(RecordedLoad):
             Commands in place of the recorded ones, V.
 
         """
-        if extra is not None or commands:
-            return self._predict(drive, extra, commands)
-        # Noise, delays and floor ask for the same model again.
-        numbers, known = drive.key(), self._predicted
+        # Noise, delays, floor and zeros of sensors ask for the same model again; the load's moves.
+        numbers = drive.key(), drive.zeros.get(self.torque, 0.0)
+        known = None if extra is not None or commands else self._predicted
         objects = self.inputs, self.readings, self.between, self.roughness, self.signals
         if known is None or known[0] != numbers or any(map(operator.is_not, known[1], objects)):
-            known = self._predicted = numbers, objects, self._predict(drive, None, {})
-        return dict(known[2])
+            known = numbers, objects, self._predict(drive, extra, commands)
+            if extra is None and not commands:
+                self._predicted = known
+        return {name: values + drive.zeros.get(name, 0.0) for name, values in known[2].items()}
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
                  commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

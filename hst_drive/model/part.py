@@ -52,7 +52,7 @@ class PartModel:
 
     def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
                  factors: Mapping[str, float] | None = None):
-        self.rig = rig
+        self.rig, self.zeros = rig, rig.zeros
         chosen = self.changed(effects or {}, factors or {})
         self.effects, self.factors = chosen.effects, chosen.factors
         if rig.line is not None and rig.line.oil_grade not in (*GRADES, ''):

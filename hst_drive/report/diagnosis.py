@@ -33,9 +33,14 @@ def text(result: Diagnosis, short: bool = False) -> str:
         against = 'what it was when commissioned' if result.since else 'its datasheet'
         lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
                   _calibration(moved)]
+    off = [entry for entry in result.zeros if abs(entry.sigmas) >= 0.5]
+    if off:
+        lines += ['', 'zeros of sensors (off by half of what they may be, one sigma, or more):',
+                  _zeros(off)]
     same = [entry.quantity for entry in result.calibration if entry not in moved]
     if result.since and same:
-        lines += ['', f'the same as then, as far as these logs show: {", ".join(sorted(same))}']
+        lines += ['', f'{"beside what was found " if result.effects else ""}the same as then, as '
+                  f'far as these logs show: {", ".join(sorted(same))}']
     if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
         lines += ['', 'the smallest size of each other effect that these logs would have shown:',
                   _smallest(result)]
@@ -75,6 +80,12 @@ def _calibration(moved) -> str:
     return table(['quantity', 'factor', 'tolerances', ''],
                  [[entry.quantity, f'{entry.factor:.4f}', f'{entry.sigmas:+.1f}',
                    'at its limit' if entry.at_limit else ''] for entry in moved])
+
+
+def _zeros(off) -> str:
+    return table(['sensor', 'reads beyond', 'unit', 'sigma'],
+                 [[entry.channel, *size(entry.value, entry.unit), f'{entry.sigmas:+.1f}']
+                  for entry in off])
 
 
 def _smallest(result: Diagnosis) -> str:

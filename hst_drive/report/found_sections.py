@@ -152,6 +152,12 @@ def rivals_section(diagnosis: dict) -> Markup:
     return section('rivals', 'Rivals, and why they lost', *parts) if parts else Markup('')
 
 
+def _amount(entry: dict) -> tuple[str, str]:
+    """Return a value of a diagnosis as people read it, and its unit."""
+    size, unit = for_people(entry['value'], entry['unit'])
+    return number(size), '' if unit == '1' else unit
+
+
 def unit_section(diagnosis: dict) -> Markup:
     """Return what calibration moved, what would have been seen, and what could not."""
     moved = [entry for entry in diagnosis['calibration'] if abs(entry['sigmas']) >= 0.1]
@@ -163,14 +169,18 @@ def unit_section(diagnosis: dict) -> Markup:
             f'What calibration moved, within three tolerances of {_start(diagnosis)}'))
     else:
         parts.append(element('p', 'Calibration moved nothing by a tenth of a tolerance.'))
+    zeros = [entry for entry in diagnosis.get('sensor_zeros') or ()
+             if abs(entry['sigmas']) >= 0.5]
+    if zeros:
+        parts.append(table(['sensor', 'reads beyond', '', 'sigma'], [
+            [entry['channel'], *_amount(entry), f'{entry["sigmas"]:+.1f}'] for entry in zeros],
+            'Zeros of sensors, in one sigma of what they may be off'))
     smallest = diagnosis.get('smallest_visible') or {}
     if smallest:
         rows = []
         for name, entry in sorted(smallest.items()):
             if name in catalogue():
-                size, unit = for_people(entry['value'], entry['unit'])
-                rows.append([name, catalogue()[name].size.name, number(size),
-                             '' if unit == '1' else unit])
+                rows.append([name, catalogue()[name].size.name, *_amount(entry)])
         parts.append(element('details', element(
             'summary', 'The smallest size of each other effect that these logs would have shown'),
             table(['effect', 'parameter', 'size', 'unit'], rows, 'Smallest visible sizes')))

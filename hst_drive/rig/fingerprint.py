@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import math
 
 from hst_drive.errors import InputError
-from hst_drive.rig.schema import TOLERANCES
-from hst_drive.units import to_si
+from hst_drive.rig.schema import SENSOR_UNITS, TOLERANCES
+from hst_drive.units import difference_from_si, difference_to_si, to_si
 import numpy as np
 
 # Conditions that a fingerprint holds for: channel, suffix of its key, unit.
@@ -18,6 +18,8 @@ CONDITIONS: dict[str, tuple[str, str]] = {
 SECTION = 'commissioned'
 _KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
 OIL_LAW_SIGMA = 'leakage_temperature_exponent_sigma'    # only where that was learnt
+ZEROS = 'zeros'     # of sensors, each its value and one sigma
+_OPTIONAL = (OIL_LAW_SIGMA, ZEROS)
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Fingerprint:
         By quantity: one standard deviation of the natural logarithm of its factor, day-to-day
         repeatability included.
     correlation : dict of (str, str) to float
-        Of pairs of quantities, each pair in both orders.
+        Of pairs of quantities and of channels with a zero, each pair in both orders.
     day_to_day : float
         Repeatability, in the make's tolerances.
     conditions : dict of str to (float, float)
@@ -39,6 +41,9 @@ class Fingerprint:
     oil_law : float
         One standard deviation of the power by which its leakages follow the oil, if that was
         learnt.
+    zeros : dict of str to (float, float)
+        By channel: what its sensor reads beyond the truth throughout, and one standard deviation
+        of that, SI.
 
     """
 
@@ -47,6 +52,7 @@ class Fingerprint:
     day_to_day: float = 0.0
     conditions: dict[str, tuple[float, float]] = field(default_factory=dict)
     oil_law: float = 0.0
+    zeros: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def read_fingerprint(found: object, source: str) -> Fingerprint:
@@ -61,9 +67,9 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
     """
     content = _mapping(found, source, SECTION)
     for key in content:
-        if key not in (*_KEYS, OIL_LAW_SIGMA):
+        if key not in (*_KEYS, *_OPTIONAL):
             raise InputError(f"{source}: unknown key '{SECTION}.{key}'; known: "
-                             f'{", ".join((*_KEYS, OIL_LAW_SIGMA))}')
+                             f'{", ".join((*_KEYS, *_OPTIONAL))}')
     for key in _KEYS:
         if key not in content:
             raise InputError(f"{source}: key '{SECTION}.{key}' is missing; commission the "
@@ -76,12 +82,14 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
                              f'{", ".join(TOLERANCES)}')
         _number(value, 1e-9, 0.5, source, f'{where}.{key}')
     share = f'{SECTION}.{_KEYS[2]}'
+    zeros = _zeros(content.get(ZEROS, {}), source)
     return Fingerprint(
         {key: float(value) for key, value in sigmas.items()},
-        _correlation(content['correlation'], [*sigmas], source),
+        _correlation(content['correlation'], [*sigmas, *zeros], source),
         _number(content[_KEYS[2]], 0.0, 10.0, source, share),
         _conditions(content['conditions'], source),
-        _number(content.get(OIL_LAW_SIGMA, 0.0), 0.0, 1.0, source, f'{SECTION}.{OIL_LAW_SIGMA}'))
+        _number(content.get(OIL_LAW_SIGMA, 0.0), 0.0, 1.0, source, f'{SECTION}.{OIL_LAW_SIGMA}'),
+        zeros)
 
 
 def _correlation(found: object, names: list[str],
@@ -91,7 +99,7 @@ def _correlation(found: object, names: list[str],
     rows = found if isinstance(found, list) else []
     if len(rows) != count or any(not isinstance(row, list) or len(row) != count for row in rows):
         raise InputError(f"{source}: '{where}' is no table of {count} rows of {count} numbers, "
-                         "one for each quantity of 'sigma_relative'")
+                         "one for each entry of 'sigma_relative' and '{ZEROS}'")
     table = np.array([[_number(value, -1.0, 1.0, source, f'{where}[{i}][{k}]')
                        for k, value in enumerate(row)] for i, row in enumerate(rows)])
     table = table.reshape(count, count)
@@ -102,6 +110,30 @@ def _correlation(found: object, names: list[str],
                          'the machine again')
     return {(one, other): float(table[i, k])
             for i, one in enumerate(names) for k, other in enumerate(names)}
+
+
+def zero_entry(channel: str, zero: float, sigma: float) -> tuple[str, list[float]]:
+    """Return key and value of a sensor's zero in a unit's file; ``zero`` and ``sigma`` in SI."""
+    suffix, unit = SENSOR_UNITS[channel]
+    return f'{channel}_{suffix}', [float(f'{difference_from_si(value, unit):.4g}')
+                                   for value in (zero, sigma)]
+
+
+def _zeros(found: object, source: str) -> dict[str, tuple[float, float]]:
+    where = f'{SECTION}.{ZEROS}'
+    known = {f'{channel}_{suffix}': channel for channel, (suffix, _) in SENSOR_UNITS.items()}
+    zeros = {}
+    for key, value in _mapping(found, source, where).items():
+        if key not in known:
+            raise InputError(f"{source}: unknown key '{where}.{key}'; known: {', '.join(known)}")
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected [zero, sigma]")
+        channel = known[key]
+        zero, sigma = (float(difference_to_si(_number(
+            entry, least, 1e6, source, f'{where}.{key}'), SENSOR_UNITS[channel][1]))
+            for entry, least in zip(value, (-1e6, 1e-12)))
+        zeros[channel] = (zero, sigma)
+    return zeros
 
 
 def _conditions(found: object, source: str) -> dict[str, tuple[float, float]]:

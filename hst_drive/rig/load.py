@@ -298,17 +298,18 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
     sensors = {}
     for name, content in found.items():
         suffix, unit = SENSOR_UNITS[name]
-        keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'range'))
+        keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'zero_std', 'range'))
         where = f'sensors.{name}'
         _known(content, keys, source, where)
         if keys[0] not in content:
             raise InputError(f"{source}: key '{where}.{keys[0]}' is missing; add it")
-        values = [difference_to_si(_number(content.get(key, 0), 0, 1e6, source,
-                                           f'{where}.{key}', unit), unit) for key in keys[:2]]
+        noise, step, zero = (difference_to_si(_number(
+            content.get(key, 0), 0, 1e6, source, f'{where}.{key}', unit), unit)
+            for key in keys[:3])
         limits = None
-        if keys[2] in content:
-            limits = _limits(content[keys[2]], source, f'{where}.{keys[2]}', unit)
-        sensors[name] = Sensor(*values, limits)
+        if keys[3] in content:
+            limits = _limits(content[keys[3]], source, f'{where}.{keys[3]}', unit)
+        sensors[name] = Sensor(noise, step, limits, zero)
     return sensors
 
 

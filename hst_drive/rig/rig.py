@@ -165,11 +165,16 @@ class Controller:
 
 @dataclass(frozen=True)
 class Sensor:
-    """Standard deviation of the noise, step of the reading and range, all in SI."""
+    """
+    Standard deviation of the noise, step of the reading and range, all in SI.
+
+    ``zero_std`` is one standard deviation of how far the zero may be off, the noise unless given.
+    """
 
     noise_std: float
     resolution: float = 0.0
     range: tuple[float, float] | None = None
+    zero_std: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -233,6 +238,12 @@ class Rig:
     def scatter(self) -> dict[str, float]:
         """By how much each quantity may be off: of this machine where that is known."""
         return {**self.tolerances, **(self.fingerprint.sigmas if self.fingerprint else {})}
+
+    @property
+    def zeros(self) -> dict[str, float]:
+        """What each sensor of this machine reads beyond the truth throughout, SI."""
+        known = self.fingerprint.zeros if self.fingerprint else {}
+        return {name: value for name, (value, _) in known.items()}
 
     @property
     def whole(self) -> bool:

@@ -113,6 +113,9 @@ class Balances:
             ns.
 
         """
+        zeros = self.rig.zeros
+        window = window._replace(values={
+            name: values - zeros.get(name, 0.0) for name, values in window.values.items()})
         first = (start - window.start) * 1e-9
         weights = bell(window.time, first + (end - start) * 0.5e-9, first)
         if weights is None:

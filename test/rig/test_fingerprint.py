@@ -32,6 +32,15 @@ def test_numbers_arrive_in_si_and_stand_in_the_place_of_tolerances():
     assert read.digest != rig({**GOOD, 'day_to_day_share_of_tolerance': 0.2}).digest
 
 
+def test_zeros_arrive_in_si_and_are_tied_to_the_quantities():
+    read = rig({**GOOD, 'zeros': {'motor_inlet_pressure_bar': [-0.5, 0.1]}, 'correlation': [
+        [1.0, -0.5, 0.2], [-0.5, 1.0, 0.0], [0.2, 0.0, 1.0]]})
+    assert read.zeros == {'motor_inlet_pressure': pytest.approx(-0.5e5)}
+    assert read.fingerprint.zeros['motor_inlet_pressure'][1] == pytest.approx(0.1e5)
+    assert read.fingerprint.correlation['motor_inlet_pressure', 'motor.leakage'] == 0.2
+    assert rig(GOOD).zeros == {}
+
+
 @pytest.mark.parametrize('path, value, said', [
     ('sigma_relative', [1], 'expected a mapping'),
     ('sigma_relative', {'motor.leak': 1}, "unknown key 'commissioned.sigma_relative.motor.leak'"),
@@ -45,6 +54,10 @@ def test_numbers_arrive_in_si_and_stand_in_the_place_of_tolerances():
     ('conditions', {'motor_speed': [0, 1]}, "unknown key 'commissioned.conditions.motor_speed'"),
     ('conditions', {'motor_speed_rpm': [9]}, 'expected [low, high]'),
     ('conditions', {'motor_speed_rpm': [9, 1]}, 'expected low below high'),
+    ('zeros', {'motor_speed': [0, 1]}, "unknown key 'commissioned.zeros.motor_speed'"),
+    ('zeros', {'motor_speed_rpm': [9]}, 'expected [zero, sigma]'),
+    ('zeros', {'motor_speed_rpm': [9, 0]}, "zeros.motor_speed_rpm' is 0, expected a number"),
+    ('zeros', {'motor_speed_rpm': [9, 1]}, 'no table of 3 rows'),
     ('sigma', {}, "unknown key 'commissioned.sigma'"), ('conditions', None, 'mapping')])
 def test_a_slip_is_told_in_one_line(path, value, said):
     content = {**copy.deepcopy(GOOD), path: value}

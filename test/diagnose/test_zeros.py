@@ -1,0 +1,68 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Zeros of gauges, on a closed circuit of the independent generator: learnt, kept, and told."""
+from dataclasses import replace
+from test.measure.test_circuit import campaign as closed_campaign
+
+from hst_drive.diagnose.commission import commission
+from hst_drive.diagnose.decide import diagnose
+from hst_drive.identify.fit import fit
+from hst_drive.identify.intervals import intervals
+from hst_drive.identify.model import Model
+from hst_drive.identify.part import campaign_of
+from hst_drive.rig import parse_rig
+import pytest
+import yaml
+
+NOISE = 0.3e5       # Pa, of the gauges
+
+
+def off(run, **pascals):
+    """Return a log whose gauges read beyond the truth."""
+    return replace(run, channels={**run.channels, **{
+        name: run[name] + value for name, value in pascals.items()}})
+
+
+@pytest.fixture(scope='module')
+def healthy(tmp_path_factory):
+    """Return the rig file and the logs of a healthy machine whose gauges are right."""
+    folder = tmp_path_factory.mktemp('zeros')
+    _, logs, truth = closed_campaign(folder, '--circuit', 'closed', '--kind', 'none',
+                                     '--seed', '100')
+    assert not truth['effects']
+    return yaml.safe_load((folder / '0000' / 'rig.yaml').read_text()), logs
+
+
+def test_zeros_are_learnt_and_kept_with_the_machine(healthy):
+    made, logs = healthy
+    zeros = {'line_a_pressure': -NOISE, 'line_b_pressure': NOISE}
+    found = commission(made, 'rig.yaml', [off(logs[name], **zeros) for name in (
+        'drilling', 'sweep')])
+    unit = parse_rig(found.rig, 'unit.yaml')
+    assert {name: unit.zeros[name] for name in zeros} == pytest.approx(zeros, abs=0.2 * NOISE)
+    assert all(unit.fingerprint.zeros[name][1] < 0.5 * NOISE for name in zeros)
+    # A leak goes with the zeros of both lines: known together, they are known better.
+    assert unit.fingerprint.correlation['line_a_pressure', 'line_b_pressure'] != 0.0
+    answer = diagnose(unit, [off(logs['reverse'], **zeros)])
+    assert answer.verdict == 'none'
+    assert max(abs(entry.value) for entry in answer.zeros
+               if entry.channel in zeros) < 0.3 * NOISE
+
+
+def test_a_stated_zero_takes_the_place_of_the_noise(healthy):
+    made, logs = healthy
+    made['sensors']['line_a_pressure']['zero_std_bar'] = 1.2
+    zeros = campaign_of(parse_rig(made, 'rig.yaml'), [logs['drilling']]).zeros
+    assert zeros['line_a_pressure'] == pytest.approx(1.2e5)
+    assert zeros['line_b_pressure'] == pytest.approx(NOISE, rel=0.2)
+
+
+def test_where_an_effect_is_the_zero_it_is_all_of_it(healthy):
+    made, logs = healthy
+    campaign = campaign_of(parse_rig(made, 'rig.yaml'), [
+        off(logs[name], line_a_pressure=5e5) for name in ('drilling', 'sweep')])
+    found = fit(campaign, Model({'pressure_sensor_bias': {'bias': 2e5}},
+                                {}, {'line_a_pressure': 1e5}), iterations=8, refresh=True)
+    assert 'line_a_pressure' not in found.model.zeros
+    low, high = intervals(campaign, found)['pressure_sensor_bias', 'bias']
+    assert low < 5e5 < high and high - low < 1.2e5
