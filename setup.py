@@ -51,6 +51,7 @@ setup(
     maintainer='hst_drive contributors',
     maintainer_email='maintainers@hst-drive.example',
     license='Apache-2.0',
+    package_dir={'': '.'},     # so that a clone beside a script does not hide the package
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed', 'export/*.c', 'report/assets/*', 'workbench/assets/*']},
     data_files=data_files,

@@ -20,7 +20,7 @@ _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oi
 # time: fewer are needed where the variable explains more of it. Where the error changes its sign
 # from moment to moment no function explains it, but then it must be crowded.
 _ODDS = ((0.3, 1.5), (0.1, 2.0), (0.0, 5.0))   # explained at least, odds at least
-_LEAST_SPAN = {'oil_temperature': 2.0}   # K; oil that keeps its temperature explains nothing
+LEAST_SPAN = {'oil_temperature': 2.0}    # K; oil that keeps its temperature explains nothing
 TRANSIENT = 'pressure_rate'   # Pa/s; how fast the state changes
 
 
@@ -100,7 +100,7 @@ def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 3 or edges[-1] - edges[0] < 1e-9 * max(abs(edges[0]), abs(edges[-1]), 1e-9):
         return None
-    if edges[-1] - edges[0] < _LEAST_SPAN.get(variable, 0.0):
+    if edges[-1] - edges[0] < LEAST_SPAN.get(variable, 0.0):
         return None
     bins = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, len(edges) - 2)
     counts = np.bincount(bins, minlength=len(edges) - 1)

@@ -75,7 +75,8 @@ class Status:
         node, found = self._node, []
         output = node.outputs['pump_command']
         # In lockstep nobody else takes part.
-        for name in () if node.lockstep else (*output.names, node.inputs[self._wanted].name):
+        read = [node.inputs[name].name for name in ('motor', self._wanted)]
+        for name in () if node.lockstep else (*output.names, *read):
             count = node.count_publishers(name)
             if count > 1:
                 found.append(f'{count} nodes publish {name}: only one may')
