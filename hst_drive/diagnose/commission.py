@@ -247,10 +247,10 @@ def repeatability(campaign: Campaign, fitted: Fit) -> float:
     The likeliest standard deviation of the unknowns between the logs, from the slope of each
     log's error at what fits all. What is usual (``DAY_TO_DAY``) counts as much as one log more.
     """
-    count = len(fitted.names)
+    count = len(campaign.tolerances)
     residual = campaign.training(fitted.errors)
     owner = np.concatenate([np.full(len(column.fit), column.log) for column in campaign.columns])
-    jacobian, blocks = fitted.jacobian, campaign.fitted_blocks()
+    jacobian, blocks = fitted.jacobian[:, :count], campaign.fitted_blocks()
     chance = -0.5 * count * (np.log(_SHARES**2) + DAY_TO_DAY**2 / _SHARES**2)
     for log in range(len(campaign.replays)):
         rows = np.flatnonzero(owner == log)

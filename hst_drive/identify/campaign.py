@@ -80,15 +80,18 @@ class Campaign:
         self.zeros = self._zeros()
 
     def _zeros(self) -> dict[str, float]:
-        """Return one standard deviation of the zero of each sensor, SI: as told, or its noise."""
-        scatter: dict[str, float] = {}
-        for replay in self.replays:
-            for name, noise in replay.sensor_noise.items():
-                scatter[name] = min(noise, scatter.get(name, np.inf))
-        stated = {name: sensor.zero_std for name, sensor in self.rig.sensors.items()}
-        known = self.rig.fingerprint.zeros if self.rig.fingerprint else {}
-        return {name: known[name][1] if name in known else stated.get(name) or noise
-                for name, noise in scatter.items() if noise > 0.0}
+        """Return one standard deviation of the zero of each sensor that is fitted, SI."""
+        stated = {name: sensor.zero_std for name, sensor in self.rig.sensors.items()
+                  if sensor.zero_std}
+        learnt = self.rig.fingerprint.zeros if self.rig.fingerprint else {}
+        found = {**self._usual_zeros(), **stated,
+                 **{name: sigma for name, (_, sigma) in learnt.items()}}
+        recorded = {name for replay in self.replays for name in replay.sensor_noise}
+        return {name: value for name, value in found.items() if name in recorded}
+
+    def _usual_zeros(self) -> dict[str, float]:
+        """Return how far zeros may be off of which a rig file says nothing, SI."""
+        return {}
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)

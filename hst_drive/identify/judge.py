@@ -14,7 +14,7 @@ from typing import Mapping, NamedTuple
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.recording import in_time, lasting
+from hst_drive.identify.recording import at_zero, in_time, lasting
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
@@ -161,14 +161,14 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     Held-out logs may not visit where something is missing: then the logs that were fitted show
     it. These hold what is hard to replay, so that more may remain on them. What a model may leave
     beyond its floor does not grow with that: ringing hides no error. When between two rows a
-    command stepped is not known; and what no two rows have in common is noise, more of it than
-    the floors know (``recording``).
+    command stepped, and what a sensor reads at zero, is not known; and what no two rows have in
+    common is noise, more of it than the floors know (``recording``).
     """
     own, fitted = over_own_floors(campaign, model)
     left = _beyond(campaign, own, own.ratios(fitted.errors, held_out), done, held_out)
     if not left:
         return left
-    errors = in_time(own, fitted.errors)
+    errors = at_zero(own, in_time(own, fitted.errors))
     return _beyond(campaign, own, {
         name: min(ratio, np.sqrt(1.0 + lasting(own, errors, name, held_out)))
         for name, ratio in own.ratios(errors, held_out).items()}, done, held_out)

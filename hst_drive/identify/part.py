@@ -84,6 +84,19 @@ class PartCampaign(Campaign):
         """Say that nothing is replayed, so that nothing drifts out of step."""
         return False
 
+    def _usual_zeros(self) -> dict[str, float]:
+        """
+        Return how far zeros of gauges, and of the torque beside them, may be off, SI.
+
+        They are known no better than they scatter.
+        """
+        found: dict[str, float] = {}
+        for replay in self.replays:
+            for name, noise in replay.sensor_noise.items():
+                if (CHANNELS[name].unit == 'Pa' or name in TORQUES) and noise > 0.0:
+                    found[name] = min(noise, found.get(name, np.inf))
+        return found if any(CHANNELS[name].unit == 'Pa' for name in found) else {}
+
     def _model(self) -> PartModel:
         return part_model(self.rig)
 

@@ -1,11 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """
-What a recording leaves open, and no physics explains: when a command stepped, and scatter.
+What a recording leaves open, and no physics explains: when a command stepped, zeros, scatter.
 
 A recorder that reads commands once a row shows a step up to a row late, each by another part of
-it. What all have in common is in the lags of the actuators. A sensor's scatter may grow with what
-it reads; but no two rows are alike in it.
+it. What all have in common is in the lags of the actuators. A sensor's zero is known no better
+than it scatters. Its scatter may grow with what it reads; but no two rows are alike in it.
 """
 from __future__ import annotations
 
@@ -50,6 +50,32 @@ def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
     return errors
 
 
+def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """
+    Return errors less what is off by the same throughout, within the noise of each sensor.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Of the whole drive or a part.
+    errors : sequence of ndarray
+        Of its columns.
+
+    """
+    errors = list(errors)
+    for name in campaign.signals:
+        own = [(index, column, column.rows(None)) for index, column in enumerate(campaign.columns)
+               if column.signal == name]
+        total = sum(float(np.sum((errors[index] * column.weight**2)[rows]) / column.scale)
+                    for index, column, rows in own)
+        count = sum(float(np.sum(column.weight[rows]**2)) for _, column, rows in own)
+        noise = min(campaign.replays[column.log].noise[name] for _, column, _ in own)
+        off = float(np.clip(total / max(count, 1e-30), -noise, noise))
+        for index, column, _ in own:
+            errors[index] = errors[index] - off * column.scale
+    return errors
+
+
 def lasting(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
             held_out: bool | None) -> float:
     """
@@ -61,7 +87,7 @@ def lasting(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
     Parameters
     ----------
     campaign, errors
-        As of ``in_time``.
+        As of ``at_zero``.
     name : str
         The signal.
     held_out : bool or None

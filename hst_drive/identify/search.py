@@ -253,7 +253,11 @@ class Search:
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
         # Short events may ask for one more effect though the whole is near the noise.
-        beam, least = (beam, 0.0) if self.unexplained(best) else (beam[:1], _LEAST_GAIN)
+        least = 0.0 if self.unexplained(best) else _LEAST_GAIN
+        if least:
+            # Which of what evidence hardly tells apart comes first is chance.
+            beam = [beam[0], *(entry for entry, value in zip(beam[1:], self.odds(
+                beam[0], beam[1:])) if value >= -log(DECIDED))]
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
         return [*{entry.names: entry for candidate in standing

@@ -39,8 +39,9 @@ def text(result: Diagnosis, short: bool = False) -> str:
                   _zeros(off)]
     same = [entry.quantity for entry in result.calibration if entry not in moved]
     if result.since and same:
-        lines += ['', f'{"beside what was found " if result.effects else ""}the same as then, as '
-                  f'far as these logs show: {", ".join(sorted(same))}']
+        beside = ', beside what was found' if result.effects else ''
+        lines += ['', f'the same as then{beside}, as far as these logs show: '
+                  f'{", ".join(sorted(same))}']
     if result.smallest and result.verdict in ('none', 'missing_effect', 'ambiguous'):
         lines += ['', 'the smallest size of each other effect that these logs would have shown:',
                   _smallest(result)]

@@ -23,6 +23,7 @@ class Linear:
 
     tolerances = TOLERANCES
     ties = {}
+    zeros = {}
     adopted = {}
 
     def __init__(self, matrix, values):
