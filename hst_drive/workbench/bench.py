@@ -193,8 +193,9 @@ class Workbench:
         """
         self.base.rig(model)
         whole = _campaign_model(model)
-        kept = {*locked, *(() if unit else (
-            ('', key) for key in (*self.campaign.tolerances, *self.campaign.zeros)))}
+        # The page has no zeros of sensors: they stay as the rig file has them.
+        kept = {*locked, *(('', key) for key in (
+            *(() if unit else self.campaign.tolerances), *self.campaign.zeros))}
         found = fit(in_step(self.campaign, whole), whole, iterations=_FIT_STEPS, kept=kept,
                     progress=progress).model
         return PageModel(found.effects, {
