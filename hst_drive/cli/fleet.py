@@ -129,7 +129,7 @@ def text(summary: Summary) -> str:
     from hst_drive.fleet.words import of_machine, sentence
 
     lines = [sentence(summary), '', table(
-        ['machine', 'state', 'campaigns', 'failed', 'last', 'found'],
+        ['machine', 'state', 'campaigns', 'failed', 'last judged', 'found (campaigns)'],
         [[machine.name, machine.state, machine.campaigns, machine.failed, machine.last,
           _counts(machine.effects)] for machine in summary.machines[:_SHOWN]])]
     for machine in summary.machines[:_SHOWN]:

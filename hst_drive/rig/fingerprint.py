@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import math
+from typing import Iterator, Mapping
 
 from hst_drive.errors import InputError
 from hst_drive.rig.schema import SENSOR_UNITS, TOLERANCES
@@ -121,38 +122,37 @@ def zero_entry(channel: str, zero: float, sigma: float) -> tuple[str, list[float
 
 def _zeros(found: object, source: str) -> dict[str, tuple[float, float]]:
     where = f'{SECTION}.{ZEROS}'
-    known = {f'{channel}_{suffix}': channel for channel, (suffix, _) in SENSOR_UNITS.items()}
     zeros = {}
-    for key, value in _mapping(found, source, where).items():
-        if key not in known:
-            raise InputError(f"{source}: unknown key '{where}.{key}'; known: {', '.join(known)}")
-        if not isinstance(value, list) or len(value) != 2:
-            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected [zero, sigma]")
-        channel = known[key]
+    for key, channel, unit, pair in _pairs(found, source, where, SENSOR_UNITS, '[zero, sigma]'):
         zero, sigma = (float(difference_to_si(_number(
-            entry, least, 1e6, source, f'{where}.{key}'), SENSOR_UNITS[channel][1]))
-            for entry, least in zip(value, (-1e6, 1e-12)))
+            entry, least, 1e6, source, f'{where}.{key}'), unit))
+            for entry, least in zip(pair, (-1e6, 1e-12)))
         zeros[channel] = (zero, sigma)
     return zeros
 
 
 def _conditions(found: object, source: str) -> dict[str, tuple[float, float]]:
     where = f'{SECTION}.conditions'
-    known = {f'{channel}_{suffix}': (channel, unit)
-             for channel, (suffix, unit) in CONDITIONS.items()}
     conditions = {}
+    for key, channel, unit, pair in _pairs(found, source, where, CONDITIONS, '[low, high]'):
+        low, high = (float(to_si(_number(end, -1e6, 1e6, source, f'{where}.{key}'), unit))
+                     for end in pair)
+        if low > high:
+            raise InputError(f"{source}: '{where}.{key}' is {pair}, expected low below high")
+        conditions[channel] = (low, high)
+    return conditions
+
+
+def _pairs(found: object, source: str, where: str, units: Mapping[str, tuple[str, str]],
+           expected: str) -> Iterator[tuple[str, str, str, list]]:
+    """Yield key, channel, unit and pair; ``units`` are the key's suffix and unit by channel."""
+    known = {f'{channel}_{suffix}': (channel, unit) for channel, (suffix, unit) in units.items()}
     for key, value in _mapping(found, source, where).items():
         if key not in known:
             raise InputError(f"{source}: unknown key '{where}.{key}'; known: {', '.join(known)}")
         if not isinstance(value, list) or len(value) != 2:
-            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected [low, high]")
-        channel, unit = known[key]
-        low, high = (float(to_si(_number(end, -1e6, 1e6, source, f'{where}.{key}'), unit))
-                     for end in value)
-        if low > high:
-            raise InputError(f"{source}: '{where}.{key}' is {value}, expected low below high")
-        conditions[channel] = (low, high)
-    return conditions
+            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected {expected}")
+        yield key, *known[key], value
 
 
 def _mapping(found: object, source: str, where: str) -> dict:
