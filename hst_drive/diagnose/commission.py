@@ -151,12 +151,13 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     progress('commissioning the machine')
     fitted = calibrated(campaign)
     known = spread(campaign, fitted, between_points=0.0)
-    names = [name for _, name in known.unknowns.names]
     covariance = known.unknowns.mix(known.unknowns.mix(known.covariance).T)
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    make = np.array([made.tolerances.get(key, known.unknowns.tolerances[key]) for key in names])
+    # Of the quantities first, then of the zeros of sensors.
+    make = np.array([made.tolerances.get(key, sigma)
+                     for key, sigma in known.unknowns.tolerances.items()])
     covariance += np.diag((day_to_day * make)**2)
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
@@ -166,14 +167,14 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
     correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)
     unit[SECTION] = {
-        'sigma_relative': {key: float(f'{value:.4g}') for key, value in zip(names, sigmas)
-                           if key in campaign.tolerances},
+        'sigma_relative': {key: float(f'{value:.4g}')
+                           for key, value in zip(campaign.tolerances, sigmas)},
         'correlation': _positive(correlation).tolist(),
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
     if campaign.zeros:
         unit[SECTION][ZEROS] = dict(
             zero_entry(name, made.zeros.get(name, 0.0) + fitted.model.zeros[name], sigma)
-            for name, sigma in zip(names, sigmas) if name in campaign.zeros)
+            for name, sigma in zip(campaign.zeros, sigmas[len(campaign.tolerances):]))
     if law:
         unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
@@ -186,7 +187,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     return Commissioned(unit, tuple(
         Quantity(key, factors[key], float(sigma), float(tolerance),
                  _TESTS.get(key, '') if sigma**2 > _TOLD * tolerance**2 else '')
-        for key, sigma, tolerance in zip(names, sigmas, make) if key in campaign.tolerances),
+        for key, sigma, tolerance in zip(campaign.tolerances, sigmas, make)),
         day_to_day, from_logs)
 
 

@@ -9,7 +9,7 @@ import math
 
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.fleet.track import CHANGE, OIL
+from hst_drive.fleet.track import CHANGE, OIL, one_way
 from hst_drive.units import si_unit, to_si, UnitError
 
 Limits = dict[tuple[str, str], float]
@@ -59,7 +59,7 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
     if abs(limit) > _LARGER * max(abs(size.low), abs(size.high)):
         raise InputError(f"{source}: '{key}' is {value}, more than is plausible on a machine; "
                          f"check its unit, expected something like '{size.example}'")
-    if limit < 0.0 <= size.low:
+    if limit < 0.0 and one_way(name):
         raise InputError(f"{source}: '{key}' is {value}, below what it is without the effect; "
                          f"it only grows: expected something like '{size.example}'")
     if not limit:

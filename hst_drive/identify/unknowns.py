@@ -40,7 +40,7 @@ class Unknowns:
                  kept: Collection[tuple[str, str]] = ()):
         self.tolerances = {**campaign.tolerances, **campaign.zeros}
         self.start = model
-        self._zeros = {*campaign.zeros}
+        self._zeros = campaign.zeros
         self._said = {channel for name in model.effects for channel in effect_of(name).zero_of}
         factors = [('', key) for key in self.tolerances
                    if key not in self._said and ('', key) not in kept]

@@ -6,9 +6,9 @@ Which seconds of a recording a model of the whole drive is judged on.
 Left out is what hangs on something that no channel shows: the moment at which the drive breaks
 away from standstill, a motion that began before the recording did, oil that comes and goes where
 the inlet cavitates, a load while the speed was not read, and what follows a command that was not
-read. All are told from the measurement
-alone, never from the error, and together they may take ``MOST`` of a recording: what fills more of
-it is how the drive runs (or what its pressure sensor says), and an error there is an error.
+read. All are told from the measurement alone, never from the error, and together they may take
+``MOST`` of a recording: what fills more of it is how the drive runs (or what its pressure sensor
+says), and an error there is an error.
 """
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from hst_drive.measure.balances import closed, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import filled
+from hst_drive.measure.readings import filled, shifted
 from hst_drive.measure.recorded_load import DRAWS
 from hst_drive.measure.run import Run
 from hst_drive.measure.turns import into_step
@@ -259,11 +259,9 @@ class PartReplay:
             Added to channels, SI.
 
         """
-        zeros, extra = model.zeros, extra or {}
-        channels = {name: values + extra.get(name, 0.0) - zeros.get(name, 0.0)
-                    for name, values in self._channels.items()}
-        return {name: values + zeros.get(name, 0.0) for name, values in self._predicted(
-            model, self.balances, channels, self._weak).items()}
+        true = shifted(shifted(self._channels, extra or {}),
+                       {name: -zero for name, zero in model.zeros.items()})
+        return shifted(self._predicted(model, self.balances, true, self._weak), model.zeros)
 
     def would_read(self, model: PartModel,
                    balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:

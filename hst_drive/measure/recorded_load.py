@@ -97,8 +97,8 @@ class RecordedLoad:
         return float(np.hypot(sensor.noise_std, self.readings.step(name)))
 
     def _unexplained(self, drive: Drive, load: np.ndarray) -> np.ndarray:
-        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0)
-                                       ) - drive.zeros.get(self.torque, 0.0)
+        measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
+        measured = measured - drive.zeros.get(self.torque, 0.0)
         rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))

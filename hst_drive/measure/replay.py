@@ -22,7 +22,7 @@ from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
 from hst_drive.measure.oscillation import shaking
-from hst_drive.measure.readings import filled, Readings
+from hst_drive.measure.readings import filled, Readings, shifted
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run
 from hst_drive.measure.speed import measured_speed
@@ -286,15 +286,14 @@ class Replay(RecordedLoad):
             Commands in place of the recorded ones, V.
 
         """
-        # Noise, delays, floor and zeros of sensors ask for the same model again; the load's moves.
-        numbers = drive.key(), drive.zeros.get(self.torque, 0.0)
-        known = None if extra is not None or commands else self._predicted
+        if extra is not None or commands:
+            return shifted(self._predict(drive, extra, commands), drive.zeros)
+        # Noise, delays, floor and zeros of sensors, but the load's, ask for the same model again.
+        numbers, known = (drive.key(), drive.zeros.get(self.torque, 0.0)), self._predicted
         objects = self.inputs, self.readings, self.between, self.roughness, self.signals
         if known is None or known[0] != numbers or any(map(operator.is_not, known[1], objects)):
-            known = numbers, objects, self._predict(drive, extra, commands)
-            if extra is None and not commands:
-                self._predicted = known
-        return {name: values + drive.zeros.get(name, 0.0) for name, values in known[2].items()}
+            known = self._predicted = numbers, objects, self._predict(drive, None, {})
+        return shifted(known[2], drive.zeros)
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
                  commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

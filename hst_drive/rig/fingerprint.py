@@ -100,7 +100,7 @@ def _correlation(found: object, names: list[str],
     rows = found if isinstance(found, list) else []
     if len(rows) != count or any(not isinstance(row, list) or len(row) != count for row in rows):
         raise InputError(f"{source}: '{where}' is no table of {count} rows of {count} numbers, "
-                         "one for each entry of 'sigma_relative' and '{ZEROS}'")
+                         f"one for each entry of 'sigma_relative' and '{ZEROS}'")
     table = np.array([[_number(value, -1.0, 1.0, source, f'{where}[{i}][{k}]')
                        for k, value in enumerate(row)] for i, row in enumerate(rows)])
     table = table.reshape(count, count)

@@ -168,7 +168,7 @@ class Sensor:
     """
     Standard deviation of the noise, step of the reading and range, all in SI.
 
-    ``zero_std`` is one standard deviation of how far the zero may be off, the noise unless given.
+    ``zero_std`` is one standard deviation of how far the zero may be off; 0 where nobody said.
     """
 
     noise_std: float

@@ -53,21 +53,37 @@ def test_what_is_missing_does_not_go_into_the_time_of_steps(effects):
     assert bool(unexplained(campaign, fitted, {}, None)) == bool(effects)
 
 
-@pytest.mark.parametrize('noises, explained', [
-    (0.0, True), (1.0, True), (-1.0, True), (4.0, False)])
-def test_zeros_as_large_as_the_noise_of_sensors_are_found(tmp_path, noises, explained):
-    """Two gauges of a closed circuit, whose noise is 0.3 bar, are off in opposite directions."""
-    rig, logs, _ = closed_campaign(tmp_path, '--circuit', 'closed', '--kind', 'none',
+def with_gauges_off(folder, pascals):
+    """Return logs of a healthy closed circuit whose gauges are off in opposite directions."""
+    rig, logs, _ = closed_campaign(folder, '--circuit', 'closed', '--kind', 'none',
                                    '--seed', '100')
-    runs = [replace(run, channels={
-        **run.channels, 'line_a_pressure': run['line_a_pressure'] - noises * 0.3e5,
-        'line_b_pressure': run['line_b_pressure'] + noises * 0.3e5})
-        for run in (logs['drilling'], logs['sweep'])]
-    campaign = campaign_of(rig, runs)
+    return campaign_of(rig, [replace(run, channels={
+        **run.channels, 'line_a_pressure': run['line_a_pressure'] - pascals,
+        'line_b_pressure': run['line_b_pressure'] + pascals})
+        for run in (logs['drilling'], logs['sweep'])])
+
+
+@pytest.mark.parametrize('noises, explained', [
+    (0.0, True), (1.0, True), (-1.0, True), (2.0, False)])
+def test_a_zero_within_the_noise_of_a_sensor_is_no_physics(tmp_path, noises, explained):
+    """Two gauges off by 0.3 bar in opposite directions, as where zeros are not fitted."""
+    campaign = with_gauges_off(tmp_path, noises * 0.3e5)
+    campaign.zeros = {}
+    fitted = calibrated(campaign)
+    own, there = over_own_floors(campaign, fitted)
+    assert (max(own.ratios(there.errors, None).values()) > 1.5) == (noises != 0.0)
+    assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
+
+
+@pytest.mark.parametrize('bar, explained', [
+    (0.0, True), (0.3, True), (-0.3, True), (0.9, False)])
+def test_zeros_of_gauges_are_found(tmp_path, bar, explained):
+    """They scatter by 0.15 bar; a gauge that is off by six times that stays unexplained."""
+    campaign = with_gauges_off(tmp_path, bar * 1e5)
     fitted = calibrated(campaign)
     if explained:
         zeros = [fitted.model.zeros[f'line_{line}_pressure'] for line in 'ab']
-        assert zeros == pytest.approx([-noises * 0.3e5, noises * 0.3e5], abs=0.05e5)
+        assert zeros == pytest.approx([-bar * 1e5, bar * 1e5], abs=0.05e5)
     assert any(unexplained(campaign, fitted, {}, part) for part in (False, True)) != explained
 
 

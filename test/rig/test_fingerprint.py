@@ -58,6 +58,7 @@ def test_zeros_arrive_in_si_and_are_tied_to_the_quantities():
     ('zeros', {'motor_speed_rpm': [9]}, 'expected [zero, sigma]'),
     ('zeros', {'motor_speed_rpm': [9, 0]}, "zeros.motor_speed_rpm' is 0, expected a number"),
     ('zeros', {'motor_speed_rpm': [9, 1]}, 'no table of 3 rows'),
+    ('zeros', {'motor_speed_rpm': [9, 1]}, "each entry of 'sigma_relative' and 'zeros'"),
     ('sigma', {}, "unknown key 'commissioned.sigma'"), ('conditions', None, 'mapping')])
 def test_a_slip_is_told_in_one_line(path, value, said):
     content = {**copy.deepcopy(GOOD), path: value}
