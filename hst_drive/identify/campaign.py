@@ -19,6 +19,7 @@ from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
+from hst_drive.identify.zeros import read_beyond, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.oscillation import means_where
 from hst_drive.measure.replay import Replay
@@ -77,21 +78,7 @@ class Campaign:
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
         self._shaking = [replay.shakes for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
-        self.zeros = self._zeros()
-
-    def _zeros(self) -> dict[str, float]:
-        """Return one standard deviation of the zero of each sensor that is fitted, SI."""
-        stated = {name: sensor.zero_std for name, sensor in self.rig.sensors.items()
-                  if sensor.zero_std}
-        learnt = self.rig.fingerprint.zeros if self.rig.fingerprint else {}
-        found = {**self._usual_zeros(), **stated,
-                 **{name: sigma for name, (_, sigma) in learnt.items()}}
-        recorded = {name for replay in self.replays for name in replay.sensor_noise}
-        return {name: value for name, value in found.items() if name in recorded}
-
-    def _usual_zeros(self) -> dict[str, float]:
-        """Return how far zeros may be off of which a rig file says nothing, SI."""
-        return {}
+        self.zeros = zeros_of(rig, self.replays, self.by_balance)
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -249,16 +236,11 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
-        drive.zeros = self._read_beyond(model)
+        drive.zeros = read_beyond(self.rig, model)
         drive.scale(model.scales)
         for name, values in model.effects.items():
             drive.switch_on(name, values)
         return drive
-
-    def _read_beyond(self, model: Model) -> dict[str, float]:
-        """Return what each sensor reads beyond the truth throughout, SI, as a model says."""
-        return {name: self.rig.zeros.get(name, 0.0) + model.zeros.get(name, 0.0)
-                for name in {**self.rig.zeros, **model.zeros}}
 
     def floors_of(self, model: Model) -> list[dict[str, float]]:
         """Return the floors, log by log, of a drive that is as this model says."""

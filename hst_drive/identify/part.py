@@ -11,6 +11,7 @@ from hst_drive.effects.slots import DRILLING_SPEED
 from hst_drive.identify.campaign import BLOCK, Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
+from hst_drive.identify.zeros import read_beyond
 from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
@@ -84,19 +85,6 @@ class PartCampaign(Campaign):
         """Say that nothing is replayed, so that nothing drifts out of step."""
         return False
 
-    def _usual_zeros(self) -> dict[str, float]:
-        """
-        Return how far zeros of gauges, and of the torque beside them, may be off, SI.
-
-        They are known no better than they scatter.
-        """
-        found: dict[str, float] = {}
-        for replay in self.replays:
-            for name, noise in replay.sensor_noise.items():
-                if (CHANNELS[name].unit == 'Pa' or name in TORQUES) and noise > 0.0:
-                    found[name] = min(noise, found.get(name, np.inf))
-        return found if any(CHANNELS[name].unit == 'Pa' for name in found) else {}
-
     def _model(self) -> PartModel:
         return part_model(self.rig)
 
@@ -127,7 +115,7 @@ class PartCampaign(Campaign):
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
         part = self.drive.changed(model.effects, model.scales)
-        part.zeros = self._read_beyond(model)
+        part.zeros = read_beyond(self.rig, model)
         return part
 
     def to_record(self, models: Sequence[Model]) -> str:

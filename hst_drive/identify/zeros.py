@@ -1,0 +1,45 @@
+# Copyright 2026 hst_drive contributors
+# SPDX-License-Identifier: Apache-2.0
+"""What sensors read beyond the truth throughout: of which it is fitted, and how far it may go."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from hst_drive.channels import CHANNELS, TORQUES
+from hst_drive.identify.model import Model
+from hst_drive.measure.part import PartReplay
+from hst_drive.measure.replay import Replay
+from hst_drive.rig import Rig
+import numpy as np
+
+
+def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],
+             by_balance: bool) -> dict[str, float]:
+    """
+    Return one standard deviation (SI) of the zero of each sensor that is fitted.
+
+    What was learnt of a machine comes before what its rig file states, and that before what is
+    usual where logs are judged ``by_balance``.
+    """
+    stated = {name: sensor.zero_std for name, sensor in rig.sensors.items() if sensor.zero_std}
+    learnt = rig.fingerprint.zeros if rig.fingerprint else {}
+    found = {**(_usual(replays) if by_balance else {}), **stated,
+             **{name: sigma for name, (_, sigma) in learnt.items()}}
+    recorded = {name for replay in replays for name in replay.sensor_noise}
+    return {name: value for name, value in found.items() if name in recorded}
+
+
+def _usual(replays: Sequence[Replay | PartReplay]) -> dict[str, float]:
+    """Return those of gauges, and of the torque beside them: no better than they scatter."""
+    found: dict[str, float] = {}
+    for replay in replays:
+        for name, noise in replay.sensor_noise.items():
+            if (CHANNELS[name].unit == 'Pa' or name in TORQUES) and noise > 0.0:
+                found[name] = min(noise, found.get(name, np.inf))
+    return found if any(CHANNELS[name].unit == 'Pa' for name in found) else {}
+
+
+def read_beyond(rig: Rig, model: Model) -> dict[str, float]:
+    """Return what each sensor reads beyond the truth, SI: as learnt of the machine, and more."""
+    return {name: rig.zeros.get(name, 0.0) + model.zeros.get(name, 0.0)
+            for name in {**rig.zeros, **model.zeros}}
