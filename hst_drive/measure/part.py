@@ -20,9 +20,9 @@ from hst_drive.measure.balances import closed, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import filled, shifted
+from hst_drive.measure.readings import filled
 from hst_drive.measure.recorded_load import DRAWS
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import Run, shifted
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned

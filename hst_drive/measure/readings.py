@@ -110,13 +110,6 @@ def _seen_step(values: np.ndarray) -> float:
     return float(apart.min()) if 0 < len(apart) < max(_COARSE, _AGAIN * len(values)) else 0.0
 
 
-def shifted(signals: Mapping[str, np.ndarray],
-            by: Mapping[str, np.ndarray | float]) -> dict[str, np.ndarray]:
-    """Return signals with something added to some of them; the others are the same arrays."""
-    return {**signals, **{name: signals[name] + shift for name, shift in by.items()
-                          if name in signals}}
-
-
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
     """Bridge NaN: the last value for commands, a straight line for signals."""
     bad = ~np.isfinite(values)

@@ -22,9 +22,9 @@ from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
 from hst_drive.measure.oscillation import shaking
-from hst_drive.measure.readings import filled, Readings, shifted
+from hst_drive.measure.readings import filled, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import Run, shifted
 from hst_drive.measure.speed import measured_speed
 from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step

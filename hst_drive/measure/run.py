@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Mapping
 
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
@@ -117,6 +118,13 @@ def _mean(values: np.ndarray) -> np.ndarray:
     count = there.sum(axis=1)
     return np.where(count > 0, np.where(there, values, 0.0).sum(axis=1) / np.maximum(count, 1),
                     np.nan)
+
+
+def shifted(signals: Mapping[str, np.ndarray],
+            by: Mapping[str, np.ndarray | float]) -> dict[str, np.ndarray]:
+    """Return signals with something added to some of them; the others are the same arrays."""
+    return {**signals, **{name: signals[name] + shift for name, shift in by.items()
+                          if name in signals}}
 
 
 def same_recording(one: Run, other: Run) -> bool:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.measure.circuit_balances import read_instead, watched
-from hst_drive.measure.readings import shifted
+from hst_drive.measure.run import shifted
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import NO_SIGN, OPEN
