@@ -71,6 +71,18 @@ def test_without_a_torque_sensor_the_flows_are_judged(healthy):
         assert np.nanmedian(np.abs(both[way] / run['motor_speed'][way] - 1.0)) < 0.02
 
 
+def test_the_shuttle_of_a_flushing_valve_may_stand_in_the_middle(healthy):
+    """Between equal lines it lets nothing through: all of its oil goes over the charge relief."""
+    rig, logs, _ = healthy
+    run, model = logs['reverse'], model_of(rig, [logs['reverse']])
+    equal = np.abs(run['line_a_pressure'] - run['line_b_pressure']) < 3e5
+    assert np.mean(equal) > 0.1
+    raised = run['charge_pressure'] + equal * rig.charge.relief_override * rig.charge.flushing
+    shut = type(run)('shut', run.time, {**run.channels, 'charge_pressure': raised}, 'shut.csv')
+    left = [compare(model, [log]).signals['charge_pressure'].noise_ratio for log in (run, shut)]
+    assert left[1] == pytest.approx(left[0], rel=0.01)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('effect', ['motor_leakage', 'charge_pressure_loss', 'speed_sensor_lag'])
 def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):

@@ -222,7 +222,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     # Above the charge pressure no check valve lets oil into a line.
     far, above = difference / p[P_margin], (high - held_at) / p[P_margin]
     per_turn = 1.0 / motor_displacement
-    # Elsewhere the charge pump does not hold the low side: its oil's spring decides.
+    # Elsewhere the charge pump does not hold the low side: its oil's spring decides. Between equal
+    # lines the shuttle of a flushing valve stands in the middle and lets nothing through.
     fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
             (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
@@ -230,7 +231,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
             a_drained + b_drained,
             swept + a_drained + side * motor_flow_loss_kept, a_storage * per_turn,
             -b_storage * per_turn, gear_angle, p[P_inertia], side * above,
-            -side * above, -far * fed, far * fed, fed)
+            -side * above, -far * fed, far * fed, abs(far) * fed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:
@@ -293,7 +294,7 @@ CIRCUIT = Circuit(
     quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure', 'motor_torque',
                 'pump_torque', 'pump_power', 'case_drain_flow', 'motor_inlet_flow', 'a_storage',
                 'b_storage', 'gear_angle', 'inertia', 'a_high', 'b_high', 'a_held', 'b_held',
-                'fed'),
+                'held'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
@@ -305,7 +306,7 @@ CIRCUIT = Circuit(
         Balance('low line B', 'line_b_pressure', 'flow', 'pressure of the low side',
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'charge pressure',
-                (Part('charge_pressure', 'fed'),), needs=('motor_speed', *LINES, _STROKE)),
+                (Part('charge_pressure', 'held'),), needs=('motor_speed', *LINES, _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
                 needs=('motor_speed', *LINES), formula='formula_torque'),
