@@ -288,7 +288,9 @@ class PartModel:
         line = self.rig.line
         if line is None:
             return 0.0
-        return line.volume * (1.0 / known['bulk_modulus'] + self.terms('compliance', known))
+        bend = self.factor('line.compressibility_under_pressure') - 1.0
+        bent = 1.0 + bend * known['pump_pressure'] / CONSTANTS['OIL_BENDS_AT']
+        return line.volume * (bent / known['bulk_modulus'] + self.terms('compliance', known))
 
 
 def _direction(known: Known) -> Any:

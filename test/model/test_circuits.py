@@ -249,6 +249,18 @@ def test_a_step_of_a_closed_circuit_agrees_with_radau(load, far, empties, reliev
         assert np.max(np.abs(found[name] - true)) < far * np.ptp(true), name
 
 
+@pytest.mark.parametrize('rig', [CLOSED, VALVE], ids=['closed', 'valve'])
+def test_oil_in_either_line_stiffens_under_its_own_pressure(rig):
+    """Its compressibility falls on a straight line, to 0.8 of the datasheet's at 200 bar."""
+    still = {entry.name: np.zeros(3) for entry in CircuitModel(rig).circuit.states}
+    still.update(line_a_pressure=np.full(3, 300 * BAR), line_b_pressure=np.full(3, 20 * BAR))
+    model = CircuitModel(rig, {}, {'line.compressibility_under_pressure': 0.8})
+    found = model.run(np.arange(3.0), {}, still)
+    usual = rig.line.volume / (rig.line.bulk_modulus * rig.motor.displacement)
+    for name, share in (('a_storage', 0.7), ('b_storage', -0.98)):
+        np.testing.assert_allclose(found[name], share * usual)
+
+
 def test_equal_lines_exchange_no_oil_and_pass_the_play():
     """What passes from line to line goes with their difference; play is passed about none."""
     still = {name: np.full(3, value) for name, value in (

@@ -7,7 +7,8 @@ import math
 def capacity(pump_pressure, line, oil_temperature, p, on, cells, layout):
     """Return the oil that a line takes per pressure, m^3/Pa; ``line`` is 1 for A, -1 for B."""
     bulk_modulus, line_volume = p[P_bulk_modulus], p[P_volume]
-    compliance = 1.0 / bulk_modulus
+    bend = (p[P_compressibility_under_pressure] - 1.0) / OIL_BENDS_AT
+    compliance = (1.0 + bend * pump_pressure) / bulk_modulus
     one_line = 0.0
     # slot one_line
     if line * one_line >= 0.0:
@@ -111,12 +112,15 @@ def motor_numbers(rig):
         'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
         'pistons': float(motor.pistons), 'coulomb': coulomb, 'viscous': viscous,
         'torque_share': share, 'by_coefficients': float(motor.torque_loss is not None),
-        'bulk_modulus': line.bulk_modulus, 'volume': line.volume,
+        'bulk_modulus': line.bulk_modulus, 'compressibility_under_pressure': 1.0,
+        'volume': line.volume,
         'oil_density': line.oil_density, 'characterised_at': rig.characterised_at}
 
 
 SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
-          'line.bulk_modulus': 'bulk_modulus', 'motor.leakage': 'motor_leakage_scale',
+          'line.bulk_modulus': 'bulk_modulus',
+          'line.compressibility_under_pressure': 'compressibility_under_pressure',
+          'motor.leakage': 'motor_leakage_scale',
           'motor.mechanical_efficiency': 'motor_efficiency_scale',
           'gear.efficiency': 'motor_efficiency_scale'}
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
