@@ -51,12 +51,14 @@ class Sensor(NamedTuple):
     How errors of one signal scatter under a perfect model, over the squared floor.
 
     ``white`` is the variance of a mean over ``BIN`` that the sensor makes, ``coloured`` that of
-    what the inputs make of the replay, alike for ``memory`` s.
+    what the inputs make of the replay, alike for ``memory`` s. ``sheet`` is what a datasheet is
+    declared to be off there, in floors.
     """
 
     white: float
     coloured: float
     memory: float
+    sheet: float = 0.0
 
 
 class Signal(NamedTuple):
@@ -237,7 +239,7 @@ def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
     alone = beside = 0.0
     for name, signal in entry.signals.items():
         likely = likelihoods(signal.pieces, sensors[name])
-        formula = likely + _as_share(signal, entry.share)
+        formula = likely + _as_share(signal, entry.share, sensors[name].sheet)
         alone += _added(formula)
         # Each signal shows it or does not.
         beside += _added([*formula, *(likely + _ANY_SIZE)]) - float(np.log(2.0))
@@ -255,7 +257,7 @@ def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
         return 0.0
     total = 0.0
     for name, signal in signals.items():
-        own = _as_share(signal, share)
+        own = _as_share(signal, share, sensors[name].sheet)
         right, wrong = (_added(own + likelihoods(pieces, sensors[name], True)) for pieces in (
             [np.zeros_like(errors) for errors in signal.pieces], signal.pieces))
         total += right - wrong
@@ -267,9 +269,9 @@ def _added(logarithms: np.ndarray | Sequence[float]) -> float:
     return float(np.logaddexp.reduce(logarithms))
 
 
-def _as_share(signal: Signal, share: float) -> np.ndarray:
+def _as_share(signal: Signal, share: float, sheet: float) -> np.ndarray:
     """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
-    scale = float(np.hypot(_BASELINE, share * signal.moved))
+    scale = float(np.linalg.norm([_BASELINE, sheet, share * signal.moved]))
     return np.asarray(np.log(np.diff(erf(_EDGES / (np.sqrt(2.0) * scale))) + 1e-300))
 
 

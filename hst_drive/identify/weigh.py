@@ -158,7 +158,7 @@ def _bins(campaign: Campaign, column: Column) -> tuple[np.ndarray, np.ndarray]:
 
 def _sensors(campaign: Campaign) -> dict[str, Sensor]:
     """Return how each signal scatters: as the median of the logs has it."""
-    known: dict[str, list[tuple[float, float, float]]] = {}
+    known: dict[str, list[tuple[float, ...]]] = {}
     part = campaign.by_balance
     for column in campaign.columns:
         replay = campaign.replays[column.log]
@@ -169,7 +169,8 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
         known.setdefault(column.signal, []).append((
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
-            max(replay.roughness.time_constant, _QUICK) if slow else _QUICK))
+            max(replay.roughness.time_constant, _QUICK) if slow else _QUICK,
+            replay.sheet_error(column.signal) * column.scale if part else 0.0))
     return {name: Sensor(*map(float, np.median(entries, axis=0)))
             for name, entries in known.items()}
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import datasheet_error, is_table, lacking, what_would_close
+from hst_drive.measure.balances import is_table, lacking, what_would_close
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
 from hst_drive.measure.part import PartReplay
@@ -155,11 +155,6 @@ class CircuitReplay(PartReplay):
             channels = {**channels, 'viscosity_ratio': self._ratio}
         return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
                     self._behind(model, channels), before)
-
-    def floor(self, model: PartModel, count: np.ndarray | None = None) -> dict[str, float]:
-        """Return the rmse that the best model would show: sensors' noise, and its sheet's."""
-        return {name: float(np.hypot(noise, datasheet_error(self.balances[name], self.run[name])))
-                for name, noise in super().floor(model).items()}
 
 
 def replay_of(run: Run, model: Drive | PartModel) -> Replay | PartReplay:

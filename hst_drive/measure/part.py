@@ -16,7 +16,7 @@ from typing import Any, Callable, Mapping
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed, is_table, USUAL, what_would_close
+from hst_drive.measure.balances import closed, datasheet_error, is_table, USUAL, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
@@ -289,7 +289,7 @@ class PartReplay:
                     partial(self._rate, name=name))
 
     def floor(self, model: PartModel, count: np.ndarray | None = None) -> dict[str, float]:
-        """Return the rmse, by signal, that a perfect model would show: sensors' noise alone."""
+        """Return the rmse, by signal, that the best model would show: of sensors and its sheet."""
         random = np.random.default_rng(0)
         base = self.predict(model)
         power = dict.fromkeys(self.signals, 0.0)
@@ -304,4 +304,12 @@ class PartReplay:
                 judged = shift[self.counted(name)]
                 power[name] += float(np.mean(judged**2)) / DRAWS if len(judged) else 0.0
         # No judged row, no floor: the noise stands in, since errors are divided by it.
-        return {name: float(np.sqrt(value)) or self.noise[name] for name, value in power.items()}
+        return {name: float(np.hypot(np.sqrt(value), self.sheet_error(name))) or self.noise[name]
+                for name, value in power.items()}
+
+    def sheet_error(self, name: str) -> float:
+        """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
+        balance = self.balances[name]
+        # Of a part that nothing sets, its number is all that the sheet may be off.
+        tells = balance.equation is None or 'pump_command' in self.run
+        return datasheet_error(balance, self.run[name]) if tells else 0.0

@@ -10,7 +10,7 @@ equations refer to the measured shaft, behind the gear if there is one.
 import math
 
 from hst_drive.channels import LINES
-from hst_drive.model.circuits.base import Balance, Circuit, Input, OF_A_LEAK, Part, State
+from hst_drive.model.circuits.base import Balance, Circuit, Input, OF_A_FLOW, OF_A_LEAK, Part, State
 from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
@@ -21,7 +21,6 @@ _MARGIN = 0.015     # of the relief pressure: so far above the charge pressure a
 _STEP = 2.0         # of the time in which the check valves fill the low line
 _USUAL = 3.5e7      # Pa, where no relief is given
 _EMPTY = CONSTANTS['CAVITATION_PRESSURE']
-_SWEPT = 0.0015     # of the speed: displacements are the unit's own, their curves hardly differ
 _STROKE = 'pump_command|pump_displacement'
 
 
@@ -300,7 +299,7 @@ CIRCUIT = Circuit(
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
                  Part('speed_by_b', 'b_high', 'line_b_pressure', 'b_storage', 'gear_angle')),
                 needs=(*LINES, _STROKE), swept=True, formula='formula_pump_flow',
-                sheet=_SWEPT, id='pump_flow'),
+                sheet=OF_A_FLOW, id='pump_flow'),
         Balance('low line A', 'line_a_pressure', 'flow', 'pressure of the low side',
                 (Part('low_side', 'a_held'),), needs=('motor_speed', 'line_b_pressure', _STROKE)),
         Balance('low line B', 'line_b_pressure', 'flow', 'pressure of the low side',
