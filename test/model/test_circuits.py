@@ -257,8 +257,8 @@ def test_oil_in_either_line_stiffens_under_its_own_pressure(rig):
     model = CircuitModel(rig, {}, {'line.compressibility_under_pressure': 0.8})
     found = model.run(np.arange(3.0), {}, still)
     usual = rig.line.volume / (rig.line.bulk_modulus * rig.motor.displacement)
-    for name, share in (('a_storage', 0.7), ('b_storage', -0.98)):
-        np.testing.assert_allclose(found[name], share * usual)
+    for name, factor in (('a_storage', 0.7), ('b_storage', -0.98)):
+        np.testing.assert_allclose(found[name], factor * usual)
 
 
 def test_equal_lines_exchange_no_oil_and_pass_the_play():

@@ -14,7 +14,8 @@ from hst_drive.model.circuits.base import (
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 
-__all__ = ['Balance', 'Circuit', 'Input', 'OF_A_FLOW', 'OF_A_LEAK', 'Part', 'State', 'circuit_of', 'circuits']
+__all__ = ['Balance', 'Circuit', 'Input', 'OF_A_FLOW', 'OF_A_LEAK', 'Part', 'State',
+           'circuit_of', 'circuits']
 
 
 @lru_cache(maxsize=1)

@@ -10,7 +10,8 @@ equations refer to the measured shaft, behind the gear if there is one.
 import math
 
 from hst_drive.channels import LINES
-from hst_drive.model.circuits.base import Balance, Circuit, Input, OF_A_FLOW, OF_A_LEAK, Part, State
+from hst_drive.model.circuits.base import (
+    Balance, Circuit, Input, OF_A_FLOW, OF_A_LEAK, Part, State)
 from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
