@@ -83,6 +83,16 @@ def test_the_shuttle_of_a_flushing_valve_may_stand_in_the_middle(healthy):
     assert left[1] == pytest.approx(left[0], rel=0.01)
 
 
+@pytest.mark.parametrize('name', ['line_a_pressure', 'line_b_pressure'])
+def test_a_gauge_that_is_off_does_not_take_its_own_balance_away(healthy, name):
+    """The low line then seems to stand above the charge pressure that fills it."""
+    rig, logs, _ = healthy
+    run, model = logs['reverse'], model_of(rig, [logs['reverse']])
+    off = type(run)('off', run.time, {**run.channels, name: run[name] + 10e5}, 'off.csv')
+    right, wrong = (compare(model, [log]).signals[name].noise_ratio for log in (run, off))
+    assert wrong > 5.0 * right
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('effect', ['motor_leakage', 'charge_pressure_loss', 'speed_sensor_lag'])
 def test_a_closed_circuit_names_what_is_missing(tmp_path, effect):

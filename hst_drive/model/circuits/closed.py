@@ -224,7 +224,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     per_turn = 1.0 / motor_displacement
     # Elsewhere the charge pump does not hold the low side: its oil's spring decides. Between equal
     # lines the shuttle of a flushing valve stands in the middle and lets nothing through.
-    fed = 1.0 if 0.0 < lacking < 0.9 * made and low < held_at + p[P_margin] else 0.0
+    fed = 1.0 if 0.0 < lacking < 0.9 * made else 0.0
     return (a_rate, b_rate, acceleration, motor_speed, drive_rate,
             (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
             settled_charge, motor_torque, pump_torque, pump_torque * pump_speed,
