@@ -111,6 +111,39 @@ def pump_bench(kind='laminar', low=5.0, high=200.0, seed=0, *, rows=90):
         'pump_outlet_pressure': pressure, 'pump_speed': speed, 'motor_inlet_flow': flow}, random)
 
 
+def drive_rig():
+    """Return the rig file of a pump that is set and a hydromotor, with a load that is not told."""
+    return parse_rig({
+        'pump': {'shaft_speed_rpm': 1500, 'max_displacement_cc_rev': 71,
+                 'displacement_vs_command': {'command_V': [0, 10],
+                                             'displacement_cc_rev': [0, 71]},
+                 'displacement_lag_s': 0.1, 'leakage_L_min': {'laminar_L_min_per_bar': 0.01}},
+        'motor': {'displacement_cc_rev': 560,
+                  'leakage_L_min': {'laminar_L_min_per_bar': 0.008}},
+        'sensors': SENSORS, 'tolerances_1_sigma_relative': {
+            'pump.displacement_vs_command': 0.006, 'motor.displacement': 0.004,
+            'pump.leakage': 0.1, 'motor.leakage': 0.1}}, 'drive.yaml')
+
+
+def drive(off=0.0, seed=0):
+    """Return a log of such a drive, whose displacement curve is ``off`` here and there."""
+    time, lag = np.arange(6000) / 100, 0.1
+    command = 6.2 + 3.0 * np.sin(2 * math.pi * time / 17.0 + seed) + 0.5 * np.sin(
+        2 * math.pi * time / 5.1)
+    pressure = 1e5 * (90 + 50 * np.sin(2 * math.pi * time / 7.3)
+                      + 20 * np.sin(2 * math.pi * time / 3.1 + 1))
+    aim = command / 10 * 71e-6 / (2 * math.pi) * (
+        1 + off * np.cos(2 * math.pi * 0.8 * command / 10))
+    stroke, kept = np.empty_like(aim), math.exp(-0.01 / lag)
+    stroke[0] = aim[0]
+    for k in range(1, len(aim)):
+        stroke[k] = aim[k - 1] + kept * (stroke[k - 1] - aim[k - 1])
+    flow = 1500 * RPM * stroke - 0.018e-3 / 60 * pressure / 1e5
+    return noisy(f'drive {seed}', time, {
+        'pump_command': command, 'pump_outlet_pressure': pressure,
+        'motor_speed': flow * 2 * math.pi / 560e-6}, np.random.default_rng(seed))
+
+
 def mass_rig():
     """Return the rig file of a mass alone."""
     return parse_rig({'motor': {'inertia_total_kg_m2': INERTIA}, 'sensors': SENSORS,

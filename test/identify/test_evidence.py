@@ -51,6 +51,17 @@ def test_laplace_agrees_with_an_integral_over_even_and_normal_priors():
     assert found == pytest.approx(exact, abs=0.02)
 
 
+def test_what_a_sheet_is_declared_to_be_off_is_no_surprise():
+    """Smooth errors of that size speak less against a model than where the sheet is right."""
+    apart = np.abs(np.subtract.outer(np.arange(60), np.arange(60)))
+    smooth = np.random.default_rng(2).multivariate_normal(
+        np.zeros(60), np.exp(-0.5 * BIN * apart), 20)
+    errors = noise(1) + 0.8 * smooth
+    off, right = (evidence(explanation((), errors), {'speed': SENSOR._replace(sheet=sheet)}, 30)[0]
+                  for sheet in (0.8, 0.0))
+    assert off > right + 0.5
+
+
 def test_a_parameter_that_moves_nothing_costs_nothing():
     with_still = laplace(np.diag([5.0, 0.0]), np.zeros(2, bool), np.array([3.0, 8.0]), np.ones(2))
     without = laplace(np.diag([5.0]), np.zeros(1, bool), np.array([3.0]), np.ones(1))

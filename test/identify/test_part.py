@@ -171,3 +171,9 @@ def test_part_of_a_rig_is_still_read_strictly():
     rig = parse_rig({'motor': {'displacement_cc_rev': 100}}, 'rig.yaml')
     assert not rig.whole and rig.motor.leakage(1e7, 5.0) == 0
     assert rig.motor.mechanical_efficiency(1e7, 5.0) == 1
+
+
+def test_a_displacement_curve_that_is_off_a_little_is_no_effect():
+    """No sheet tells a pump's curve to 0.4 % all along."""
+    runs = [benches.drive(0.004, seed) for seed in (1, 11)]
+    assert diagnose(benches.drive_rig(), runs).verdict == 'none'
