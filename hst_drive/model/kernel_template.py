@@ -366,7 +366,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
              or on[SLOT_torque_reading])
     # Divided once, not in each evaluation.
     oil_compliance, per_inertia = 1.0 / p[P_bulk_modulus], 1.0 / p[P_inertia]
-    oil_bend = (p[P_compressibility_under_pressure] - 1.0) / OIL_BENDS_AT
+    oil_bend = (p[P_compressibility_under_pressure] - 1.0) / p[P_relief_set_pressure]
     per_pprv_lag = 1.0 / p[P_pprv_lag]
     line_inertance = 0.0
     # slot line_inertance

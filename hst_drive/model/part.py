@@ -289,7 +289,7 @@ class PartModel:
         if line is None:
             return 0.0
         bend = self.factor('line.compressibility_under_pressure') - 1.0
-        bent = 1.0 + bend * known['pump_pressure'] / CONSTANTS['OIL_BENDS_AT']
+        bent = 1.0 + bend * known.get('pump_pressure', 0.0) / CONSTANTS['OIL_BENDS_AT']
         return line.volume * (bent / known['bulk_modulus'] + self.terms('compliance', known))
 
 
