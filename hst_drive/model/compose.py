@@ -28,8 +28,8 @@ CONSTANTS = {
     'CAVITATION_PRESSURE': -0.9e5,    # Pa gauge
     'BEND_PRESSURE': 1e3,             # Pa and rad/s: differences of third order in one step, up
     'BEND_SPEED': 5e-4,               # to which Adams and Bashforth's method is trusted
-    'OIL_BENDS_AT': 2e7,              # Pa, for which 'compressibility_under_pressure' is told
     'BEND_COMPLIANCE': 1e5,           # Pa, of one step where the compliance goes with pressure
+    'OIL_BENDS_AT': 2e7,              # Pa, where 'compressibility_under_pressure' holds
     'STEP_ERROR': 2e-5,               # of a step in a circuit, over the largest that a state was
     'BENT': 0.05,                     # what the bend of its stages counts
     'STRICTER': 10.0,                 # with steps of Adams and Bashforth

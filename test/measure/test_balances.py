@@ -67,6 +67,16 @@ def test_a_hydromotor_with_both_ports_leaks_and_loses_as_by_hand():
         np.testing.assert_allclose(found, true, rtol=2e-3)
 
 
+def test_oil_of_a_parts_line_stiffens_under_pressure():
+    """Its compressibility falls on a straight line, to 0.8 of the datasheet's at 200 bar."""
+    rig = default_rig()
+    model = PartModel(rig, {}, {'line.compressibility_under_pressure': 0.8})
+    pressure = np.array([0.0, 50e5, 200e5])
+    found = model.capacity(model.complete({'pump_pressure': pressure}))
+    np.testing.assert_allclose(
+        found, rig.line.volume / rig.line.bulk_modulus * np.array([1.0, 0.95, 0.8]))
+
+
 def test_a_log_with_nothing_to_judge_on_is_refused():
     short = log(0.25, 'pump_outlet_pressure', 'motor_inlet_flow', 'motor_speed', 'pump_command',
                 'pprv_command')

@@ -294,7 +294,7 @@ CIRCUIT = Circuit(
     quantities=('speed_by_a', 'speed_by_b', 'low_side', 'charge_pressure', 'motor_torque',
                 'pump_torque', 'pump_power', 'case_drain_flow', 'motor_inlet_flow', 'a_storage',
                 'b_storage', 'gear_angle', 'inertia', 'a_high', 'b_high', 'a_held', 'b_held',
-                'held'),
+                'either_held'),
     balances=(
         Balance('high line', 'motor_speed', 'flow', 'oil between pump and hydromotor',
                 (Part('speed_by_a', 'a_high', 'line_a_pressure', 'a_storage', 'gear_angle'),
@@ -306,7 +306,7 @@ CIRCUIT = Circuit(
         Balance('low line B', 'line_b_pressure', 'flow', 'pressure of the low side',
                 (Part('low_side', 'b_held'),), needs=('motor_speed', 'line_a_pressure', _STROKE)),
         Balance('charge line', 'charge_pressure', 'flow', 'charge pressure',
-                (Part('charge_pressure', 'held'),), needs=('motor_speed', *LINES, _STROKE)),
+                (Part('charge_pressure', 'either_held'),), needs=('motor_speed', *LINES, _STROKE)),
         Balance('shaft', 'motor_torque', 'torque', 'torque of the hydromotor',
                 (Part('motor_torque', '', 'motor_speed', 'inertia'),),
                 needs=('motor_speed', *LINES), formula='formula_torque'),

@@ -113,8 +113,8 @@ def motor_numbers(rig):
         'pistons': float(motor.pistons), 'coulomb': coulomb, 'viscous': viscous,
         'torque_share': share, 'by_coefficients': float(motor.torque_loss is not None),
         'bulk_modulus': line.bulk_modulus, 'compressibility_under_pressure': 1.0,
-        'volume': line.volume,
-        'oil_density': line.oil_density, 'characterised_at': rig.characterised_at}
+        'volume': line.volume, 'oil_density': line.oil_density,
+        'characterised_at': rig.characterised_at}
 
 
 SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
