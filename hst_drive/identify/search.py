@@ -173,10 +173,12 @@ class Search:
                 odds > -log(DECIDED) and not self.unexplained(after))
         done = contribution(self.campaign, self.bare, before.fit)
         asked = CREDIBLE if before.names else self.campaign.odds_asked
-        if odds > asked and (self.campaign.commissioned_unit or any(
+        if self.campaign.commissioned_unit:
+            return odds > asked
+        if odds > asked and any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
                           for entry in (before, after)), done)
-                for part in parts(self.campaign))):
+                for part in parts(self.campaign)):
             return True
         # The load of a flexible shaft follows rough rock better whether it is there or not.
         return odds > -np.inf and not flexible({*after.names} - {*before.names}) and shown(
