@@ -31,6 +31,7 @@ from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
+from hst_drive.rig.schema import WAVES
 from hst_drive.units import from_si
 import numpy as np
 
@@ -47,6 +48,7 @@ _TESTS = {
     'line.bulk_modulus': 'steps of the load, at 100 Hz or more',
     'line.compressibility_under_pressure': 'steps of the load at low and at high pressure',
     'pump.displacement_between_points': 'slow sweeps of the pump command, with the flow measured',
+    **dict.fromkeys(WAVES, 'slow sweeps of the pump command, with the flow measured'),
     'loading.pprv_between_points': 'slow sweeps of the PPRV command, with the torque measured',
     'pump.displacement_vs_command': 'several pump commands at little load',
     'pump.displacement_lag': 'steps of the pump command, at 100 Hz or more',

@@ -59,7 +59,8 @@ class Campaign:
     signed = False  # True: a leak may be negative, where it is what has changed in a machine
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
-        self.expected, self.tolerances, self.ties = prior(rig, (*runs, *holdout))
+        self.expected, self.tolerances, self.ties = prior(
+            rig, (*runs, *holdout), self.by_balance)
         self.rig = replace(rig, calibration={**rig.calibration, **{
             key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
         self.adopted = rig.effects

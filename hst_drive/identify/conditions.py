@@ -11,7 +11,7 @@ from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
-from hst_drive.rig.schema import UNTOLD
+from hst_drive.rig.schema import UNTOLD, UNTOLD_BY_BALANCE
 from hst_drive.units import from_si
 import numpy as np
 
@@ -46,7 +46,7 @@ class Prior(NamedTuple):
     ties: dict[tuple[str, str], float]
 
 
-def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
+def prior(rig: Rig, runs: Sequence[Run], by_balance: bool) -> Prior:
     """
     Return what is known of the unit's factors, beside ``rig.calibration``.
 
@@ -54,7 +54,8 @@ def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
     leakages are known no better than the power with which they follow the viscosity: any, or one
     that was learnt.
     """
-    sigmas = {key: value for key, value in {**UNTOLD, **rig.scatter}.items() if value > 0}
+    sigmas = {key: value for key, value in {
+        **UNTOLD, **(UNTOLD_BY_BALANCE if by_balance else {}), **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
     usual, most = _thinner(rig, runs)

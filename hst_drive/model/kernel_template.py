@@ -43,6 +43,14 @@ def along(x, between_points, number, bulge, cells, layout):
     return found
 
 
+def waved(value, share, first, second, third):
+    """Return what a curve tells a ``share`` along it, if it has waves that a sheet lacks."""
+    # Cosines of one, two and three half waves along the curve.
+    wave = math.cos(math.pi * min(max(share, 0.0), 1.0))
+    return value * (1.0 + (first - 1.0) * wave + (second - 1.0) * (2.0 * wave * wave - 1.0)
+                    + (third - 1.0) * (4.0 * wave * wave - 3.0) * wave)
+
+
 def interpolate2(x, y, number, cells, layout):
     """Look a value up in a table over two variables: bilinear, end values held."""
     cell = layout[number, 0]
@@ -445,9 +453,11 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         earlier_reading = motor_speed + nearer * (reading - motor_speed)
         if speed_reading_series_lag <= 0.0:
             late_reading = earlier_reading
-        target = p[P_displacement_scale] * along(
-            pump_command, p[P_displacement_between_points], T_DISPLACEMENT, T_DISPLACEMENT_BULGE,
-            cells, layout)
+        target = p[P_displacement_scale] * waved(
+            along(pump_command, p[P_displacement_between_points], T_DISPLACEMENT,
+                  T_DISPLACEMENT_BULGE, cells, layout),
+            (pump_command - p[P_lowest_command]) / p[P_command_range],
+            p[P_displacement_wave_1], p[P_displacement_wave_2], p[P_displacement_wave_3])
         pprv_target = p[P_pprv_pressure_scale] * along(
             pprv_command, p[P_pprv_between_points], T_PPRV_PRESSURE, T_PPRV_BULGE, cells, layout)
 

@@ -13,6 +13,7 @@ from typing import Sequence
 
 from hst_drive.rig import Curve, Rig, Surface
 from hst_drive.rig.rig import WHOLE
+from hst_drive.rig.schema import WAVES
 import numpy as np
 
 NAMES: tuple[str, ...] = (
@@ -22,8 +23,10 @@ NAMES: tuple[str, ...] = (
     'volume', 'oil_density', 'relief_set_pressure', 'relief_reference_pressure', 'relief_gain',
     'gear_ratio', 'load_displacement', 'load_efficiency_scale', 'pprv_pressure_scale',
     'pprv_lag', 'pprv_override', 'pprv_reference_flow', 'characterised_at',
-    'displacement_between_points', 'pprv_between_points',
+    'displacement_between_points', 'pprv_between_points', 'lowest_command', 'command_range',
+    'displacement_wave_1', 'displacement_wave_2', 'displacement_wave_3',
 )
+WAVED: dict[str, str] = {key: key.partition('.')[2] for key in WAVES}
 SCALED: dict[str, str] = {
     'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
     'line.bulk_modulus': 'bulk_modulus',
@@ -37,7 +40,7 @@ SCALED: dict[str, str] = {
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
     'pump.displacement_between_points': 'displacement_between_points',
-    'loading.pprv_between_points': 'pprv_between_points',
+    'loading.pprv_between_points': 'pprv_between_points', **WAVED,
 }
 TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
                            'LOAD_EFFICIENCY', 'PPRV_PRESSURE', 'DISPLACEMENT_BULGE', 'PPRV_BULGE')
@@ -75,7 +78,7 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'pprv_override': loading.pprv_override,
         'pprv_reference_flow': loading.pprv_reference_flow,
         'characterised_at': rig.characterised_at, 'displacement_between_points': 1.0,
-        'pprv_between_points': 1.0,
+        'pprv_between_points': 1.0, **wave_numbers(pump.displacement),
     }
     for key, factor in rig.calibration.items():
         values[SCALED[key]] *= factor
@@ -102,6 +105,12 @@ def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
     return cells_of((pump.displacement, pump.leakage, motor.leakage, motor.mechanical_efficiency,
                      loading.pump_mechanical_efficiency, loading.pprv_pressure,
                      bulge(pump.displacement), bulge(loading.pprv_pressure)))
+
+
+def wave_numbers(curve: Curve) -> dict[str, float]:
+    """Return the numbers of ``waved``: where a curve begins, how long it is, and no waves."""
+    return {'lowest_command': curve.x[0], 'command_range': float(np.ptp(curve.x)) or 1.0,
+            **dict.fromkeys(WAVED.values(), 1.0)}
 
 
 def bulge(curve: Curve) -> Curve:

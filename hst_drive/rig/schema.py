@@ -171,6 +171,9 @@ ONLY_IN: dict[str, str] = {'charge': 'closed', 'cross_port_relief': 'closed',
 SENSOR_UNITS: dict[str, tuple[str, str]] = {
     name: entry.sensor for name, entry in CHANNELS.items() if entry.hold == 'linear'}
 
+# A unit's displacement curve parts from its sheet's in waves: so many halves along the commands.
+WAVES: tuple[str, ...] = tuple(f'pump.displacement_wave_{halves}' for halves in (1, 2, 3))
+
 # What a unit of the same make may differ in: the quantity's name and what it scales.
 TOLERANCES: tuple[str, ...] = (
     'motor.displacement', 'motor.inertia', 'line.bulk_modulus', 'pump.displacement_vs_command',
@@ -178,7 +181,7 @@ TOLERANCES: tuple[str, ...] = (
     'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
     'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
     'gear.efficiency', 'valve.rated_flow', 'valve.lag', 'line.compressibility_under_pressure',
-    'pump.displacement_between_points', 'loading.pprv_between_points',
+    'pump.displacement_between_points', 'loading.pprv_between_points', *WAVES,
 )
 # What a datasheet does not tell and differs in any machine, by so much unless a file says
 # otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its
@@ -186,6 +189,9 @@ TOLERANCES: tuple[str, ...] = (
 UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
                             'pump.displacement_between_points': 0.2,
                             'loading.pprv_between_points': 0.2}
+# Where each balance is judged by itself: a flow is measured to 0.5 % (ISO 4409, class A), and so
+# much are all the waves of a curve off together.
+UNTOLD_BY_BALANCE: dict[str, float] = dict.fromkeys(WAVES, 0.003)
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.
 SUFFIXES: dict[str, str] = {

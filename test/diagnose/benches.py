@@ -125,15 +125,15 @@ def drive_rig():
             'pump.leakage': 0.1, 'motor.leakage': 0.1}}, 'drive.yaml')
 
 
-def drive(off=0.0, seed=0):
-    """Return a log of such a drive, whose displacement curve is ``off`` here and there."""
+def drive(off=0.0, seed=0, waves=0.8):
+    """Return a log of such a drive, whose displacement curve is ``off`` in some waves."""
     time, lag = np.arange(6000) / 100, 0.1
     command = 6.2 + 3.0 * np.sin(2 * math.pi * time / 17.0 + seed) + 0.5 * np.sin(
         2 * math.pi * time / 5.1)
     pressure = 1e5 * (90 + 50 * np.sin(2 * math.pi * time / 7.3)
                       + 20 * np.sin(2 * math.pi * time / 3.1 + 1))
     aim = command / 10 * 71e-6 / (2 * math.pi) * (
-        1 + off * np.cos(2 * math.pi * 0.8 * command / 10))
+        1 + off * np.cos(2 * math.pi * waves * command / 10))
     stroke, kept = np.empty_like(aim), math.exp(-0.01 / lag)
     stroke[0] = aim[0]
     for k in range(1, len(aim)):

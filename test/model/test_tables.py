@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tables, cut into cells, against SciPy's interpolation of the rig's numbers."""
 from hst_drive.model import Drive
+from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.kernel_template import interpolate, interpolate2
 from hst_drive.model.parameters import baseline_tables, bulge, TABLES
-from hst_drive.rig import Curve, default_rig
+from hst_drive.model.part import PartModel
+from hst_drive.resources import share
+from hst_drive.rig import Curve, default_rig, load_rig
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 
 RIG = default_rig()
+CLOSED = load_rig(share('config', 'rig', 'closed_rig.yaml'))
 SOURCES = (RIG.pump.displacement, RIG.pump.leakage, RIG.motor.leakage,
            RIG.motor.mechanical_efficiency, RIG.loading.pump_mechanical_efficiency,
            RIG.loading.pprv_pressure)
@@ -62,3 +66,25 @@ def test_a_unit_may_have_smooth_curves():
     assert found[1] - found[0] == pytest.approx(0.5 * bulge(table)(2.4))
     smooth = PchipInterpolator(table.x, table.y)(2.4) - table(2.4)
     assert found[1] - found[0] == pytest.approx(0.5 * smooth, rel=0.1) and smooth < 0.0
+
+
+@pytest.mark.parametrize('halves', [1, 2, 3])
+@pytest.mark.parametrize('command', [2.4, 6.1])
+def test_a_units_curve_may_part_from_its_sheets_in_waves(command, halves):
+    """By a cosine of so many half waves along the commands, in each model of a pump."""
+    scales = {f'pump.displacement_wave_{halves}': 1.02}
+    time, held = np.arange(800) * 0.01, np.full(800, command)
+    whole = Drive(RIG)
+    whole.scale(scales)
+    part = PartModel(RIG, {}, scales)
+    found = {
+        'whole': (RIG, whole.simulate(time, {
+            'pump_command': held, 'pprv_command': np.full(800, 3.0)})['pump_displacement'][-1]),
+        'part': (RIG, part.stroke(None, held, part.complete({}))[0]),
+        'closed': (CLOSED, CircuitModel(CLOSED, {}, scales).run(time, {
+            'pump_command': held, 'motor_torque': np.zeros(800)}, {})['pump_displacement'][-1])}
+    for name, (rig, stroke) in found.items():
+        curve = rig.pump.displacement
+        share = (command - curve.x[0]) / (curve.x[-1] - curve.x[0])
+        assert stroke == pytest.approx(
+            curve(command) * (1.0 + 0.02 * np.cos(halves * np.pi * share)), rel=1e-5), name

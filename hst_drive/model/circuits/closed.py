@@ -16,6 +16,8 @@ from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
 from hst_drive.model.compose import CONSTANTS
+from hst_drive.model.kernel_template import waved
+from hst_drive.model.parameters import wave_numbers, WAVED
 from hst_drive.rig import Rig
 
 _MARGIN = 0.015     # of the relief pressure: so far above the charge pressure a line is high
@@ -53,7 +55,10 @@ def hold(pump_command, interval, memory, p, on, cells, layout):
                            0.5 * pump_play * (1.0 + pump_play_spread), pump_play_softness)
         pump_command = 0.5 * (memory[0] + memory[1])
     memory[2] = whole_command
-    aim = p[P_displacement_scale] * interpolate(pump_command, T_DISPLACEMENT, cells, layout)
+    aim = p[P_displacement_scale] * waved(
+        interpolate(pump_command, T_DISPLACEMENT, cells, layout),
+        (pump_command - p[P_lowest_command]) / p[P_command_range],
+        p[P_displacement_wave_1], p[P_displacement_wave_2], p[P_displacement_wave_3])
     if math.isnan(memory[3]):
         memory[3] = aim
     if pump_series_lag > 0.0 and interval > 0.0:
@@ -239,7 +244,7 @@ def numbers(rig: Rig) -> dict[str, float]:
     pump, charge, relief = rig.pump, rig.charge, rig.cross_port_relief
     set_pressure = relief.set_pressure if relief else _USUAL
     return {
-        **motor_numbers(rig),
+        **motor_numbers(rig), **wave_numbers(pump.displacement),
         'pump_shaft_speed': pump.shaft_speed, 'max_displacement': pump.max_displacement,
         'displacement_lag': pump.displacement_lag, 'displacement_scale': 1.0,
         'pump_leakage_scale': 1.0, 'relief_set_pressure': set_pressure,
@@ -270,8 +275,8 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(charged, pump_leak, capacity, gear, motor_leak, motor_leaks, shaft), numbers=numbers,
-    sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
+    helpers=(waved, charged, pump_leak, capacity, gear, motor_leak, motor_leaks, shaft),
+    numbers=numbers, sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
           'line.volume_m3', 'line.bulk_modulus_Pa'),
@@ -281,7 +286,7 @@ CIRCUIT = Circuit(
     scaled={'pump.displacement_vs_command': 'displacement_scale',
             'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
             'charge.relief_pressure': 'charge_relief',
-            'charge.pump_displacement': 'charge_displacement', **SCALED},
+            'charge.pump_displacement': 'charge_displacement', **SCALED, **WAVED},
     states=(State('pump_displacement', 'm^3/rad'),
             State('line_a_pressure', 'Pa', 'charge_relief', least=_EMPTY),
             State('line_b_pressure', 'Pa', 'charge_relief', least=_EMPTY),
