@@ -10,7 +10,7 @@ import hst_drive as hd
 from hst_drive import cli
 from hst_drive.diagnose.document import as_json
 from hst_drive.diagnose.result import (
-    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Unknown, Value)
+    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Unknown, Value, Zero)
 from hst_drive.identify.conditions import Outside
 from hst_drive.identify.evidence import Probability
 import pytest
@@ -91,7 +91,8 @@ def test_the_page_of_the_json_has_all_keys():
         calibration=(Calibrated('motor.leakage', 1.0, 0.0, False),),
         unknown=Unknown('flow', 'motor_speed', (), '', (), 0.0), next_test=NextTest((), ''),
         outside=(Outside('motor_speed', 0.0, 1.0, 0.0, 1.0),),
-        probability=Probability(0.0, 0.5, (((), 0.5),))))
+        probability=Probability(0.0, 0.5, (((), 0.5),)),
+        zeros=(Zero('line_a_pressure', 0.0, 'Pa', 0.0),)))
     assert diagnosed['schema'] in page and compared['schema'] in page
     missing = {key for key in keys(compared) | keys(diagnosed) if f'`{key}`' not in page}
     assert not missing

@@ -46,7 +46,7 @@ class Prior(NamedTuple):
     ties: dict[tuple[str, str], float]
 
 
-def prior(rig: Rig, runs: Sequence[Run], by_balance: bool) -> Prior:
+def prior(rig: Rig, runs: Sequence[Run], by_balance: bool = False) -> Prior:
     """
     Return what is known of the unit's factors, beside ``rig.calibration``.
 

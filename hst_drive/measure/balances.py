@@ -8,7 +8,7 @@ from typing import Any, Callable, Container, Iterable
 from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
 from hst_drive.measure.run import Run
-from hst_drive.model.circuits import Balance, OF_A_FLOW, OF_A_LEAK
+from hst_drive.model.circuits import Balance, OF_A_LEAK
 from hst_drive.rig import Rig
 import numpy as np
 
@@ -50,7 +50,7 @@ BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
              ('pump.displacement_vs_command',), 'pump_actuator', 'displacement of the pump',
              id='pump_displacement'),
     _balance('pump flow', equations.pump_flow, _FLOW, (_OUTLET, _DRIVEN, _STROKE), ('pump',),
-             'flow', _PUMPED, _BY_PUMP, id='pump_flow', sheet=OF_A_FLOW),
+             'flow', _PUMPED, _BY_PUMP, id='pump_flow'),
     _balance('pump torque', equations.pump_torque, 'pump_torque', (_OUTLET, _STROKE),
              ('pump',), 'torque', 'torque of the pump'),
     _balance('pump power', equations.pump_power, 'pump_power', (_OUTLET, _DRIVEN, _STROKE),
@@ -61,7 +61,7 @@ BALANCES: dict[str, Balance] = {entry.name: entry for entry in (
              _DISPLACEMENT, 'flow', _SWALLOWED, _BY_MOTOR, swept=True),
     _balance('flow through both', equations.flow_through_both, _SPEED,
              (_OUTLET, _DRIVEN, '|'.join(_STROKES[:2])), _DISPLACEMENT, 'flow', _PUMPED, _BY_PUMP,
-             swept=True, without=(_FLOW,), sheet=OF_A_FLOW),
+             swept=True, without=(_FLOW,)),
     _balance('case drain', equations.case_drain, 'case_drain_flow', (_INLET, _SPEED),
              ('motor.leakage_L_min',), 'flow', _SWALLOWED, _BY_MOTOR, sign=-1.0,
              id='case_drain_flow', sheet=OF_A_LEAK),

@@ -310,6 +310,4 @@ class PartReplay:
     def sheet_error(self, name: str) -> float:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
         balance = self.balances[name]
-        # Of a part that nothing sets, its number is all that the sheet may be off.
-        tells = balance.equation is None or 'pump_command' in self.run
-        return datasheet_error(balance, self.run[name]) if tells else 0.0
+        return 0.0 if balance.equation else datasheet_error(balance, self.run[name])

@@ -10,11 +10,11 @@ import pkgutil
 
 from hst_drive.errors import InputError
 from hst_drive.model.circuits.base import (
-    Balance, Circuit, Input, OF_A_FLOW, OF_A_LEAK, Part, State)
+    Balance, Circuit, Input, OF_A_LEAK, Part, State)
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 
-__all__ = ['Balance', 'Circuit', 'Input', 'OF_A_FLOW', 'OF_A_LEAK', 'Part', 'State',
+__all__ = ['Balance', 'Circuit', 'Input', 'OF_A_LEAK', 'Part', 'State',
            'circuit_of', 'circuits']
 
 
