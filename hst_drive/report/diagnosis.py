@@ -28,6 +28,9 @@ def text(result: Diagnosis, short: bool = False) -> str:
     if result.next_test:
         lines += ['', f'to tell {", ".join(result.next_test.separates)} apart: '
                   f'{result.next_test.what}']
+    lines += [line for entry in result.effects if catalogue()[entry.id].zero_of
+              for line in ('', f'{entry.id}: if a sensor of its class may be so far off, say so '
+                           'in the rig file (zero_std_bar of the sensor)')]
     moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
     if moved:
         against = 'what it was when commissioned' if result.since else 'its datasheet'
