@@ -16,8 +16,7 @@ from hst_drive.identify.calibrate import calibrated, without_adopted
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import ended, Fit, fit, score
-from hst_drive.identify.judge import (
-    contribution, fallen, matters, parts, unexplained)
+from hst_drive.identify.judge import contribution, fallen, matters, parts, unexplained
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
@@ -246,7 +245,6 @@ class Search:
 
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
-        # Short events may ask for one more effect though the whole is near the noise.
         least = 0.0 if self.unexplained(best) else _LEAST_GAIN
         if least:
             # Which of what evidence hardly tells apart comes first is chance.

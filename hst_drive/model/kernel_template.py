@@ -45,6 +45,8 @@ def along(x, between_points, number, bulge, cells, layout):
 
 def waved(value, share, first, second, third):
     """Return what a curve tells a ``share`` along it, if it has waves that a sheet lacks."""
+    if first == 1.0 and second == 1.0 and third == 1.0:
+        return value
     # Cosines of one, two and three half waves along the curve.
     wave = math.cos(math.pi * min(max(share, 0.0), 1.0))
     return value * (1.0 + (first - 1.0) * wave + (second - 1.0) * (2.0 * wave * wave - 1.0)

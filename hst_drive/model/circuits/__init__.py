@@ -9,8 +9,7 @@ from importlib import import_module
 import pkgutil
 
 from hst_drive.errors import InputError
-from hst_drive.model.circuits.base import (
-    Balance, Circuit, Input, OF_A_LEAK, Part, State)
+from hst_drive.model.circuits.base import Balance, Circuit, Input, OF_A_LEAK, Part, State
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 
