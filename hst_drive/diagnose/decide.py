@@ -260,7 +260,7 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
         if entry.id in best.names or entry.id in standing:
             continue
         candidate = search.single(entry.id)
-        found = search.gain(candidate, best)
+        found = search.gain(candidate, best).share
         if not found:
             continue    # too little is held out
         worst = max(found, key=found.__getitem__)

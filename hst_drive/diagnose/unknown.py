@@ -19,8 +19,9 @@ from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
-from hst_drive.identify.judge import over_own_floors, parts, PRACTICAL, unexplained
+from hst_drive.identify.judge import gain, over_own_floors, parts, PRACTICAL, unexplained
 from hst_drive.identify.phases import once_a_turn
+import numpy as np
 
 _AT_NOISE = 1.2     # of the score of a perfect model
 _READING = 'formula_pressure_reading'
@@ -131,9 +132,11 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
 
 def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
     """Return the formula to adopt; None if it does not lower the held-out error enough."""
-    before, after = (campaign.ratios(fitted.errors, True) for fitted in (model, carried.fit))
-    left, was = (sum(value**2 for value in found.values()) for found in (after, before))
-    if left > (1.0 - PRACTICAL) * was:
+    found = gain(campaign.blocks(model.errors), campaign.blocks(carried.fit.errors))
+    total = sum(found.amount.values()), sum(
+        float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values()
+        if np.isfinite(squares).any())
+    if total[0] < PRACTICAL * total[1]:
         return None
     limits = intervals(campaign, carried.fit)
     units = {entry.name: entry.unit for entry in FORMULAS[carried.name].parameters}
@@ -141,6 +144,7 @@ def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
     return Formula(
         carried.name, {key: Value(value, *limits.get((carried.name, key), (value, value)),
                                   units[key]) for key, value in chosen.items()},
-        before, after, carried.fit.model.scales,
+        campaign.ratios(model.errors, True), campaign.ratios(carried.fit.errors, True),
+        carried.fit.model.scales,
         {name: dict(parameters) for name, parameters in carried.fit.model.effects.items()
          if name != carried.name})

@@ -26,6 +26,7 @@ from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
@@ -59,8 +60,9 @@ class Campaign:
     signed = False  # True: a leak may be negative, where it is what has changed in a machine
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        # In a closed circuit a share of the flow is its sheet's error instead.
         self.expected, self.tolerances, self.ties = prior(
-            rig, (*runs, *holdout), self.by_balance)
+            rig, (*runs, *holdout), self.by_balance and rig.circuit == OPEN)
         self.rig = replace(rig, calibration={**rig.calibration, **{
             key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
         self.adopted = rig.effects

@@ -11,7 +11,7 @@ from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
-from hst_drive.rig.schema import UNTOLD, UNTOLD_BY_BALANCE
+from hst_drive.rig.schema import UNTOLD, UNTOLD_WAVES
 from hst_drive.units import from_si
 import numpy as np
 
@@ -46,16 +46,16 @@ class Prior(NamedTuple):
     ties: dict[tuple[str, str], float]
 
 
-def prior(rig: Rig, runs: Sequence[Run], by_balance: bool = False) -> Prior:
+def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     """
     Return what is known of the unit's factors, beside ``rig.calibration``.
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
     leakages are known no better than the power with which they follow the viscosity: any, or one
-    that was learnt.
+    that was learnt. With ``waves`` those of the pump's displacement are asked for.
     """
     sigmas = {key: value for key, value in {
-        **UNTOLD, **(UNTOLD_BY_BALANCE if by_balance else {}), **rig.scatter}.items() if value > 0}
+        **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
     usual, most = _thinner(rig, runs)

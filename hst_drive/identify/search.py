@@ -11,12 +11,13 @@ from __future__ import annotations
 from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
-from hst_drive.effects import effect_of
+from hst_drive.effects import effect_of, flexible
 from hst_drive.identify.calibrate import calibrated, without_adopted
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.evidence import CREDIBLE, DECIDED
+from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
 from hst_drive.identify.fit import ended, Fit, fit, score
-from hst_drive.identify.judge import contribution, fallen, matters, parts, unexplained
+from hst_drive.identify.judge import (
+    contribution, Gain, gain, matters, parts, shown, unexplained)
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
@@ -143,10 +144,11 @@ class Search:
             self.campaign, candidate.fit.model, iterations=0, refresh=True))
 
     def gain(self, before: Candidate, after: Candidate,
-             held_out: bool | None = True) -> dict[str, float]:
-        """Return by what share squared errors fall, on held-out data or on what was fitted."""
-        return fallen(*(self.campaign.ratios(entry.fit.errors, held_out)
-                        for entry in (before, after)))
+             held_out: bool | None = True) -> Gain:
+        """Compare two candidates on held-out data, or on what was fitted."""
+        first, last = before.fit.errors, after.fit.errors
+        moved = [one - other for one, other in zip(first, last)]
+        return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
 
     def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
         """Return the log odds of candidates against another; -inf with an effect at its end."""
@@ -162,18 +164,25 @@ class Search:
 
         What leaves nothing unexplained need not be likelier, if the evidence does not speak
         against it. Where nothing was, it must be far likelier (``Campaign.odds_asked``) and, by a
-        datasheet, matter.
+        datasheet, matter; there short events may ask for it as well, for which the evidence is too
+        careful, if that is strong.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
         done = contribution(self.campaign, self.bare, before.fit)
-        return odds > (CREDIBLE if before.names else self.campaign.odds_asked) and (
-            self.campaign.commissioned_unit or any(
+        asked = CREDIBLE if before.names else self.campaign.odds_asked
+        if self.campaign.commissioned_unit:
+            return odds > asked
+        if odds > asked and any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
                           for entry in (before, after)), done)
-                for part in parts(self.campaign)))
+                for part in parts(self.campaign)):
+            return True
+        # The load of a flexible shaft follows rough rock better whether it is there or not.
+        return odds > STRONG and not flexible({*after.names} - {*before.names}) and shown(
+            *(self.gain(before, after, part) for part in (True, False)), done)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""
@@ -245,6 +254,7 @@ class Search:
 
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
+        # Short events may ask for one more effect though the whole is near the noise.
         least = 0.0 if self.unexplained(best) else _LEAST_GAIN
         if least:
             # Which of what evidence hardly tells apart comes first is chance.

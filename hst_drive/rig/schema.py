@@ -189,9 +189,9 @@ TOLERANCES: tuple[str, ...] = (
 UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
                             'pump.displacement_between_points': 0.2,
                             'loading.pprv_between_points': 0.2}
-# Where each balance is judged by itself: a flow is measured to 0.5 % (ISO 4409, class A), and so
-# much are all the waves of a curve off together.
-UNTOLD_BY_BALANCE: dict[str, float] = dict.fromkeys(WAVES, 0.003)
+# Where the balances of an open drive are judged one by one: a flow is measured to 0.5 % (ISO 4409,
+# class A), and so much are all the waves of a curve off together.
+UNTOLD_WAVES: dict[str, float] = dict.fromkeys(WAVES, 0.003)
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.
 SUFFIXES: dict[str, str] = {
