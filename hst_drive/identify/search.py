@@ -164,17 +164,17 @@ class Search:
 
         What leaves nothing unexplained need not be likelier, if the evidence does not speak
         against it. Where nothing was, it must be far likelier (``Campaign.odds_asked``) and, by a
-        datasheet, matter; there short events may ask for it as well, for which the evidence is too
-        careful, if that is strong.
+        datasheet, matter. There short events may ask for it as well, for which the evidence is too
+        careful; but strong it must be.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
-        done = contribution(self.campaign, self.bare, before.fit)
         asked = CREDIBLE if before.names else self.campaign.odds_asked
         if self.campaign.commissioned_unit:
             return odds > asked
+        done = contribution(self.campaign, self.bare, before.fit)
         if odds > asked and any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
                           for entry in (before, after)), done)

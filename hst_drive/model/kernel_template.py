@@ -43,14 +43,17 @@ def along(x, between_points, number, bulge, cells, layout):
     return found
 
 
-def waved(value, share, first, second, third):
-    """Return what a curve tells a ``share`` along it, if it has waves that a sheet lacks."""
-    if first == 1.0 and second == 1.0 and third == 1.0:
+def waved(value, command, lowest_command, command_range, displacement_wave_1,
+          displacement_wave_2, displacement_wave_3):
+    """Return the value of a curve at a command, if the curve has waves that a sheet lacks."""
+    first, second, third = (
+        displacement_wave_1 - 1.0, displacement_wave_2 - 1.0, displacement_wave_3 - 1.0)
+    if first == 0.0 and second == 0.0 and third == 0.0:
         return value
     # Cosines of one, two and three half waves along the curve.
-    wave = math.cos(math.pi * min(max(share, 0.0), 1.0))
-    return value * (1.0 + (first - 1.0) * wave + (second - 1.0) * (2.0 * wave * wave - 1.0)
-                    + (third - 1.0) * (4.0 * wave * wave - 3.0) * wave)
+    wave = math.cos(math.pi * min(max((command - lowest_command) / command_range, 0.0), 1.0))
+    return value * (1.0 + first * wave + second * (2.0 * wave * wave - 1.0)
+                    + third * (4.0 * wave * wave - 3.0) * wave)
 
 
 def interpolate2(x, y, number, cells, layout):
@@ -458,7 +461,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         target = p[P_displacement_scale] * waved(
             along(pump_command, p[P_displacement_between_points], T_DISPLACEMENT,
                   T_DISPLACEMENT_BULGE, cells, layout),
-            (pump_command - p[P_lowest_command]) / p[P_command_range],
+            pump_command, p[P_lowest_command], p[P_command_range],
             p[P_displacement_wave_1], p[P_displacement_wave_2], p[P_displacement_wave_3])
         pprv_target = p[P_pprv_pressure_scale] * along(
             pprv_command, p[P_pprv_between_points], T_PPRV_PRESSURE, T_PPRV_BULGE, cells, layout)

@@ -23,10 +23,9 @@ from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import waved
 from hst_drive.model.lags import behind_play, follow
-from hst_drive.model.parameters import wave_numbers
+from hst_drive.model.parameters import wave_numbers, WAVED
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
-from hst_drive.rig.schema import WAVES
 import numpy as np
 
 Known = Mapping[str, Any]
@@ -231,11 +230,9 @@ class PartModel:
     def _yielding(self, command: np.ndarray, known: Known) -> np.ndarray:
         """Return the displacement (m^3/rad) on which the plate settles under pressure."""
         curve = self.rig.pump.displacement
-        numbers = wave_numbers(curve)
-        first, second, third = (self.factor(key) for key in WAVES)
         asked = self.factor('pump.displacement_vs_command') * evaluate(waved, {
-            'value': curve(command), 'first': first, 'second': second, 'third': third,
-            'share': (command - numbers['lowest_command']) / numbers['command_range']})
+            **wave_numbers(curve), 'value': curve(command), 'command': command,
+            **{number: self.factor(key) for key, number in WAVED.items()}})
         return np.maximum(asked - self.terms('pump_yield', {**known, 'displacement': asked}), 0.0)
 
     def pump_speed(self, known: Known) -> Any:

@@ -18,7 +18,7 @@ from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.rig import Curve, Rig, Surface
 
-OF_A_FLOW = 0.0015  # displacements are the unit's own, their curves hardly differ
+OF_A_FLOW = 0.0015  # beside the unit's own displacements: how their curves differ
 OF_A_LEAK = 0.04    # no sheet tells: its table is of one temperature, and of one unit's gaps
 
 

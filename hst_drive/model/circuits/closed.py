@@ -57,7 +57,7 @@ def hold(pump_command, interval, memory, p, on, cells, layout):
     memory[2] = whole_command
     aim = p[P_displacement_scale] * waved(
         interpolate(pump_command, T_DISPLACEMENT, cells, layout),
-        (pump_command - p[P_lowest_command]) / p[P_command_range],
+        pump_command, p[P_lowest_command], p[P_command_range],
         p[P_displacement_wave_1], p[P_displacement_wave_2], p[P_displacement_wave_3])
     if math.isnan(memory[3]):
         memory[3] = aim
