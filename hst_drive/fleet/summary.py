@@ -28,7 +28,7 @@ _SURE = 1.96
 GROWING = ('grows', 'accelerates')
 # States of a machine, the most urgent first.
 REACHED, AHEAD, GROWS, ODD, THERE, SOUND, UNTOLD = (
-    'limit reached', 'limit ahead', 'grows', 'not explained', 'steady fault', 'nothing found',
+    'limit reached', 'limit ahead', 'grows', 'not explained', 'fault', 'nothing found',
     'not judged')
 STATES = (REACHED, AHEAD, GROWS, ODD, THERE, SOUND, UNTOLD)
 

@@ -8,6 +8,9 @@ from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue
 from hst_drive.report.terminal import MISSING, size, table
 
+GAUGE_CLASS = ('If a gauge of its class may be so far off, say so in the rig file (zero_std_bar '
+               'of the sensor).')
+
 
 def text(result: Diagnosis, short: bool = False) -> str:
     """Return the diagnosis for a terminal; the short form stops after what was found."""
@@ -29,8 +32,7 @@ def text(result: Diagnosis, short: bool = False) -> str:
         lines += ['', f'to tell {", ".join(result.next_test.separates)} apart: '
                   f'{result.next_test.what}']
     lines += [line for entry in result.effects if catalogue()[entry.id].zero_of
-              for line in ('', f'{entry.id}: if a sensor of its class may be so far off, say so '
-                           'in the rig file (zero_std_bar of the sensor)')]
+              for line in ('', f'{entry.id}: {GAUGE_CLASS}')]
     moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
     if moved:
         against = 'what it was when commissioned' if result.since else 'its datasheet'

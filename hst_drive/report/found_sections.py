@@ -10,6 +10,7 @@ from hst_drive.diagnose.result import not_known
 from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.identify.evidence import Probability
+from hst_drive.report.diagnosis import GAUGE_CLASS
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
 from hst_drive.units import for_people
 
@@ -104,6 +105,7 @@ def effect_card(found: dict) -> Markup:
         if removed else '',
         element('p', 'These logs cannot tell it from ', element('strong', ', '.join(rivals)), '.',
                 class_='warning') if rivals else '',
+        element('p', GAUGE_CLASS) if effect.zero_of else '',
         element('p', element('b', 'What the data look like: '), effect.telltale),
         element('p', element('b', 'Term: '), SLOTS[effect.slot].meaning),
         element('p', element('b', 'Source: '), effect.source, class_='source'),

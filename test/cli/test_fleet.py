@@ -26,7 +26,7 @@ def test_a_small_fleet(tmp_path, capsys):
             '--json', str(target), '-o', str(page), '--workers', '1']
     assert cli.main(call) == 0
     told = capsys.readouterr()
-    assert told.out.startswith('2 machines: 1 steady fault, 1 not judged. 1 campaign could not')
+    assert told.out.startswith('2 machines: 1 fault, 1 not judged. 1 campaign could not')
     result = json.loads(target.read_text())
     good, bad = result['rows']
     assert good['diagnosis']['effects'][0]['id'] == 'motor_leakage'

@@ -43,7 +43,7 @@ def test_the_most_urgent_comes_first(summary):
     assert names[:2] == ['far <off>', 'wears'] and names[-1] == 'new'
     assert names.index('steady') < names.index('sound')
     assert sentence(summary).startswith(
-        '13 machines: 1 limit reached, 1 limit ahead, 7 steady fault, 3 nothing found, '
+        '13 machines: 1 limit reached, 1 limit ahead, 7 fault, 3 nothing found, '
         '1 not judged. First to see to: far <off> (motor_leakage, limit of 0.0096 L/min/bar: ')
 
 
@@ -104,12 +104,12 @@ def test_no_limit_is_ahead_where_it_is_not_clear_whether_it_grows():
         [0.5, 0.55, 0.52, 0.6, 0.66]))), LIMITS).machines
     entry, = machine.followed
     assert entry.growth.kind == 'not clear' and np.isfinite(entry.remaining.middle)
-    assert machine.state == 'steady fault'
+    assert machine.state == 'fault'
 
 
 def test_without_a_limit_it_only_grows(lives):
     states = {machine.name: machine.state for machine in summarise(lives).machines}
-    assert states['wears'] == GROWS and states['far <off>'] == 'steady fault'
+    assert states['wears'] == GROWS and states['far <off>'] == 'fault'
 
 
 def test_events_are_told_in_the_words_of_who_maintains_it(machines):

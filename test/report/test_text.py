@@ -1,9 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A diagnosis as a terminal shows it."""
+"""A diagnosis as a terminal and the page show it."""
+from hst_drive.diagnose.document import as_json
 from hst_drive.diagnose.result import Diagnosis, Found, Step, Value
 from hst_drive.identify.evidence import Probability
 from hst_drive.report.diagnosis import text
+from hst_drive.report.found_sections import effect_card
 import pytest
 
 
@@ -17,3 +19,4 @@ def test_of_a_gauge_that_is_off_it_says_where_its_class_is_stated(name, key, uni
         ladder=(Step('datasheet', {}, {}),), not_observable={}, smallest={}, calibration=(),
         probability=Probability(0.0, 0.1, (((name,), 0.9),)), zeros=())
     assert ('zero_std_bar' in text(found)) is said
+    assert ('zero_std_bar' in effect_card(as_json(found)['effects'][0])) is said
