@@ -3,9 +3,9 @@
 """
 Reference pages from what the program declares, made while the site is built.
 
-A page has a line ``<!-- declared: NAME -->``. What stands there on the site comes from the
-parsers of the verbs, the catalogue of effects, the table of rig keys, the channels and the units:
-it cannot differ from the program.
+A page has a line that ends in ``<!-- declared: NAME -->``. What takes its place on the site comes
+from the parsers of the verbs, the catalogue of effects, the table of rig keys, the channels and
+the units: it cannot differ from the program.
 """
 import argparse
 from importlib import import_module
@@ -28,7 +28,7 @@ from sphinx.util import logging
 import telltale
 
 TOP = Path(import_module('hst_drive').__file__).resolve().parents[1]
-_MARK = re.compile(r'^<!-- declared: (\w+) ?(\S*) -->$', re.MULTILINE)
+_MARK = re.compile(r'^.*<!-- declared: (\w+) ?(\S*) -->$', re.MULTILINE)
 _BALANCES = dict.fromkeys(slot.enters for slot in SLOTS.values())
 
 
