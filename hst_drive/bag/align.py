@@ -21,8 +21,8 @@ from hst_drive.measure.run import Run
 import numpy as np
 
 MIN_ROWS = 10
-_SHORTEST = 1e-4        # s: no logger of a drive is faster
 """Fewer samples than this are no recording."""
+_SHORTEST = 1e-4        # s: no logger of a drive is faster
 GAP_PERIODS = 5.0
 """A signal is missing between samples that lie further apart than this many periods."""
 _HOLE_PERIODS = 20.0    # without any sample: worth a word

@@ -18,6 +18,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import AT_NOISE
+from hst_drive.identify.zeros import read_beyond
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.model.circuits import Balance
@@ -121,9 +122,8 @@ def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]
     """Return model minus measurement over the floor, smoothed, log by log."""
     logs: list[dict[str, np.ndarray]] = [{} for _ in campaign.replays]
     for error, column in zip(model.errors, campaign.columns):
-        clean, used = np.zeros(len(error)), column.rows(None)
-        clean[used] = np.clip(error * column.weight, -50, 50)[used]
-        logs[column.log][column.signal] = smooth(campaign, column.log, clean)
+        logs[column.log][column.signal] = smooth(
+            campaign, column.log, np.clip(column.weighed(error), -50, 50))
     return logs
 
 
@@ -209,6 +209,7 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
     if not location.balance:
         return None
     part = PartModel(campaign.rig, model.model.effects, model.model.scales)
+    part.zeros = read_beyond(campaign.rig, model.model)
     try:
         replay = PartReplay(campaign.replays[index].run, part)
     except InputError:

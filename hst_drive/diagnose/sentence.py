@@ -10,7 +10,7 @@ from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
 from hst_drive.identify.conditions import Outside
 from hst_drive.identify.evidence import Probability
-from hst_drive.identify.judge import CLEAN_FITTED
+from hst_drive.identify.judge import CLEAN_RATIO
 from hst_drive.units import for_people
 
 
@@ -153,6 +153,6 @@ def times(ratio: float) -> str:
 def _stays(last: Mapping[str, float]) -> str:
     """Say what stays well above the noise though it counts as explained."""
     worst = max(last, key=last.get)
-    return '' if last[worst] <= CLEAN_FITTED else (
+    return '' if last[worst] <= CLEAN_RATIO else (
         f' {CHANNELS[worst].title.capitalize()} stays at {times(last[worst])} times the noise: '
         'chance, and formulas that are never exact, explain that.')

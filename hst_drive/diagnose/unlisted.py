@@ -170,8 +170,7 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
     found = [np.zeros(len(replay.run)) for replay in campaign.replays]
     for error, column in zip(fitted.errors, campaign.columns):
         if column.signal == campaign.replays[column.log].torque:
-            read = column.rows(None)
-            found[column.log][read] = -(error * column.weight)[read]
+            found[column.log] = -column.weighed(error)
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence
 
+from hst_drive.measure.readings import filled
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -31,6 +32,12 @@ class Column(NamedTuple):
             return np.concatenate([self.fit, self.judge])
         return self.judge if held_out else self.fit
 
+    def weighed(self, error: np.ndarray, held_out: bool | None = None) -> np.ndarray:
+        """Return a weighted error, with 0 where it is not judged (or not fitted)."""
+        found, rows = np.zeros(len(error)), self.rows(held_out)
+        found[rows] = error[rows] * self.weight[rows]
+        return found
+
 
 def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
             splits: Sequence[np.ndarray]) -> list[Column]:
@@ -52,7 +59,7 @@ def columns(replays: Sequence, floors: Sequence[Mapping[str, float]],
         time_std = np.hypot(replay.stamp_std, replay.command_time_std)
         for name in replay.signals:
             valid, floor = replay.counted(name), floors[index][name]
-            known = np.nan_to_num(replay.run[name], posinf=0.0, neginf=0.0)
+            known = filled(replay.run[name]) if valid.any() else np.zeros(len(valid))
             moving = np.gradient(gaussian_filter1d(known, 1.5), replay.run.time)
             extra = np.hypot(time_std * moving, replay.extra_std.get(name, 0.0)) / floor
             weight = 1.0 / np.sqrt(1.0 + extra**2)

@@ -4,7 +4,7 @@
 What a model leaves of the recordings, and how surely another leaves less.
 
 Errors of a replay are correlated over many samples, so that statistics of independent samples
-find effects everywhere. Here a sample is a block of two seconds, and models are compared block by
+find effects everywhere. Here a sample is a block (``Campaign.block``), and models are compared block by
 block.
 """
 from __future__ import annotations

@@ -91,7 +91,7 @@ def strongest_orders(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[i
         if angle is None or not len(column.fit):
             continue
         step = replay.run.sample_time
-        swing = error * column.weight
+        swing = column.weighed(error, False)
         swing = (swing - gaussian_filter1d(swing, SLOW / step))[column.fit]
         speed = np.abs(np.gradient(angle, replay.run.time)[column.fit])
         turn = np.exp(-1j * angle[column.fit])

@@ -108,8 +108,8 @@ def lasting(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
         first = replay.apart(name)
         if not first:
             return np.inf
-        own, counted = np.zeros((2, len(error)))
-        own[rows], counted[rows] = (error * column.weight)[rows], 1.0
+        own, counted = column.weighed(error, held_out), np.zeros(len(error))
+        counted[rows] = 1.0
         last = first + max(int(_LAGS / replay.run.sample_time), 1)
         found = [abs(own[lag:] @ own[:-lag]) / pairs for lag in range(first, last)
                  if (pairs := counted[lag:] @ counted[:-lag])]

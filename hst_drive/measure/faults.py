@@ -157,7 +157,8 @@ def _followed(name: str, spikes: np.ndarray, channels: Mapping[str, np.ndarray],
     about = np.clip(spikes[:, None] + np.arange(-_AROUND, _AROUND), 1, len(values) - 2)
     # A large jump of the drive moves the others far, too.
     own = 0.5 * np.abs(2 * values - np.roll(values, 1) - np.roll(values, -1))
-    size = own[spikes] / np.maximum(np.nanmedian(own[about], axis=1), max(steps[name], 1e-300))
+    size = np.nan_to_num(own[spikes] / np.maximum(np.nanmedian(own[about], axis=1),
+                                                  max(steps[name], 1e-300)))
     for each, other in channels.items():
         if each == name:
             continue

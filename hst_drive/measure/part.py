@@ -34,7 +34,7 @@ from scipy.ndimage import gaussian_filter1d
 _NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
-_CREEPING = 0.05
+_CREEPING = 0.05        # as ``useful.refuse_unjudged`` says
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
 _UNKNOWN = 0.05         # of what a smoothed row is made of
 _APART = 5.0            # deviations of the Gaussian, from which on rows share no noise
@@ -259,8 +259,7 @@ class PartReplay:
             Added to channels, SI.
 
         """
-        true = shifted(shifted(self._channels, extra or {}),
-                       {name: -zero for name, zero in model.zeros.items()})
+        true = _without(model.zeros, shifted(self._channels, extra or {}))
         return shifted(self._predicted(model, self.balances, true, self._weak), model.zeros)
 
     def would_read(self, model: PartModel,
@@ -269,7 +268,8 @@ class PartReplay:
         time = None if self.static else self.run.time
         weak = Weak(time, np.asarray, lambda values: (
             np.zeros(len(values)) if time is None else np.gradient(values, time)))
-        return self._predicted(model, balances, self._channels, lambda name: weak)
+        true = _without(model.zeros, self._channels)
+        return self._predicted(model, balances, true, lambda name: weak)
 
     def _predicted(self, model: PartModel, balances: Mapping[str, Balance],
                    channels: dict[str, np.ndarray], weak: Callable[[str], Weak]
@@ -311,3 +311,8 @@ class PartReplay:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
         balance = self.balances[name]
         return 0.0 if balance.equation else datasheet_error(balance, self.run[name])
+
+
+def _without(zeros: Mapping[str, float], channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return what sensors would read with their zeros right."""
+    return shifted(channels, {name: -zero for name, zero in zeros.items()})

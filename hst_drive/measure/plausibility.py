@@ -143,6 +143,8 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
     """Return the sensors that rig and recording give."""
     number = np.unique((run.time - run.time[0]) // _BLOCK, return_inverse=True)[1]
     every = np.arange(number[-1] + 1)
+    if len(every) < _FEW:
+        return []
 
     def blocks(values: np.ndarray) -> np.ndarray:
         good = np.isfinite(values)
@@ -177,8 +179,6 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
             usual = np.abs(pressure if torque is None else torque / size)
             load[name] = pressure * size * motor.mechanical_efficiency(
                 usual, np.abs(turning) / size)
-    if len(every) < _FEW:
-        return []
     conditions = [blocks(run[name]) for name in COMMANDS if name in run]
     if 'oil_temperature' in run:
         oil = blocks(run['oil_temperature'])

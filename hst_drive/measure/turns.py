@@ -99,6 +99,8 @@ def _towards(replay: Replay | PartReplay, model: Drive | PartModel, still: Drive
     for signal in replay.signals:
         measured = replay.run[signal]
         there = np.isfinite(measured)
+        if not there.any():
+            continue
         left, first, second = ((_fast(replay, values) / replay.noise[signal])[there]
                                for values in (filled(measured - none[signal]),
                                               now[signal] - none[signal],

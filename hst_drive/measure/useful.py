@@ -11,7 +11,7 @@ from hst_drive.measure.balances import is_part, is_table
 from hst_drive.measure.noise import steady_noise
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
-from hst_drive.rig.rig import NO_SIGN, STANDSTILL
+from hst_drive.rig.rig import CREEPING, NO_SIGN, STANDSTILL
 from hst_drive.units import from_si
 import numpy as np
 
@@ -75,8 +75,8 @@ def too_slow(rig: Rig, run: Run) -> str:
 def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
     """Raise InputError where no row of the signals that were measured can be judged."""
     raise InputError(f'{source}: no row of {", ".join(names)} can be judged: each is missing, or '
-                     'the drive rests or creeps (below 2.3 % of its full speed; a part: below 5 % '
-                     'of its usual speed); record it turning')
+                     f'the drive rests or creeps (below {100 * CREEPING:.2g} % of its full speed; '
+                     'a part: below a twentieth of its usual speed); record it turning')
 
 
 def refuse_other_circuit(rig: Rig, runs: Sequence[Run]) -> None:

@@ -105,6 +105,14 @@ def test_a_blow_that_all_sensors_feel_is_no_fault():
     assert find_faults(TIME, spoilt) == {}
 
 
+def test_a_blow_beside_a_row_that_is_missing_is_no_fault():
+    spoilt = {name: values * np.where(np.arange(6000) == 1000, 1.5, 1.0)
+              for name, values in sensors(2).items()}
+    for values in spoilt.values():
+        values[999] = np.nan
+    assert find_faults(TIME, spoilt) == {}
+
+
 def test_rows_that_a_logger_lost_are_at_zero_throughout():
     spoilt = sensors(2)
     for values in spoilt.values():
