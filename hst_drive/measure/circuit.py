@@ -49,25 +49,30 @@ class CircuitReplay(PartReplay):
         if 'oil_temperature' in self._channels:
             self._ratio = model.viscosity_ratio(self._channels['oil_temperature'])
         between = Between.rows(model.rig, run.sample_time)
-        if between.steps > 1:
-            self._fill_in(model, between)
-        self.extra_std = self._extra_std(model)
+        course = self._fill_in(model, between) if between.steps > 1 else {}
+        self.extra_std = {name: np.hypot(std, course.get(name, 0.0))
+                          for name, std in self._extra_std(model).items()}
 
-    def _fill_in(self, model: CircuitModel, between: Between) -> None:
-        """Let commands move between the rows of a slow record, unless held ones fit better."""
+    def _fill_in(self, model: CircuitModel, between: Between) -> dict[str, np.ndarray]:
+        """
+        Let commands move between the rows of a slow record, unless held ones fit better.
+
+        Return how far signals hang on which of the two it is (SI).
+        """
         held = self._channels
         moving = {entry.name: between.mean_of_rows(held[entry.name])
                   for entry in model.circuit.held_inputs if entry.name in held}
         if not moving:
-            return
-        misfit = self._fast_misfit(model)
+            return {}
+        first = self.predict(model)
         self._channels = {**held, **moving}
-        if misfit < HELD * self._fast_misfit(model):
+        second = self.predict(model)
+        if self._fast_misfit(first) < HELD * self._fast_misfit(second):
             self._channels = held
+        return {name: np.abs(first[name] - second[name]) for name in self.signals}
 
-    def _fast_misfit(self, model: CircuitModel) -> float:
+    def _fast_misfit(self, found: dict[str, np.ndarray]) -> float:
         """Return the squared error from row to row, over what changes; slow errors are others'."""
-        found = self.predict(model)
         return sum(float(np.nanmean(np.diff(found[name] - self.run[name])**2)
                          / max(np.nanmean(np.diff(self.run[name])**2), 1e-30))
                    for name in self.signals)

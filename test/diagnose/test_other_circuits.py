@@ -13,6 +13,13 @@ from hst_drive.identify.part import campaign_of
 import pytest
 
 
+def _slowly(run):
+    """Return a recording with ten rows a second."""
+    step = round(0.1 / run.sample_time)
+    return replace(run, time=run.time[::step], channels={
+        name: values[::step] for name, values in run.channels.items()})
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('effect, seed', [
     ('suction_starvation=1.083', 7001), ('gear_backlash=0.71', 7002),
@@ -27,6 +34,18 @@ def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed
     first, *others = found.effects
     assert first.id == name and found.probability.effects[name] > 0.8
     assert {entry.id for entry in others} <= {'leakage_temperature'}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed, named', [(26023, 'speed_sensor_lag'), (26028, 'constant_torque')])
+def test_what_commands_did_between_slow_rows_hides_no_effect(tmp_path, seed, named):
+    """The controller steps ten times as often."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single',
+                                '--seed', str(seed))
+    held_out, *runs = [_slowly(run) for run in (logs.pop('holdout'), *logs.values())]
+    assert [*truth['effects']] == [named]
+    found = diagnose(rig, runs, [held_out])
+    assert [entry.id for entry in found.effects] == [named]
 
 
 @pytest.mark.slow
