@@ -27,11 +27,10 @@ from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import at_limit, Fit, fit, limited
 from hst_drive.identify.model import Model
-from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.search import BEAM, Candidate, Search
 from hst_drive.measure.threads import each
 import numpy as np
 
-_NEAREST = 2        # causes that are fitted with a Jacobian of their own
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
 _READINGS = ('load_torque', 'motor_speed', 'pump_outlet_pressure', 'motor_inlet_flow')
 # Number of the datasheet, and where it enters. Leakage, lag and efficiency have effects of theirs.
@@ -80,7 +79,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
     fits = each(lambda cause: fit(cause.campaign, cause.start, known=cause.known,
                                   iterations=PATIENT), causes)
     near = sorted(zip(causes, fits), key=lambda pair: search.score(pair[1]))
-    for cause, found in near[:_NEAREST]:
+    for cause, found in near[:BEAM]:
         found = fit(cause.campaign, found.model, iterations=PATIENT, refresh=True)
         search.unlisted.append((cause.campaign, found.light()))
         if _explains(search, best, found, left, cause.campaign):

@@ -79,7 +79,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
                       if entry.unknown), None)
     if not remaining and (left or doubt):
-        remaining = unknowns.describe(campaign, best.fit, doubt)
+        remaining = unknowns.describe(campaign, best.fit)
     drifting = [entry for entry in drifting if entry.channel in left]
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
@@ -192,27 +192,20 @@ def _found(search: Search, best: Candidate, order: Sequence[str],
     sized, sizes = for_sizes(campaign, best.fit)
     found = intervals(sized, sizes, forms(search, best)) if best.names else {}
     return tuple(Found(
-        name, {key: Value(value, *found.get((name, key), (value, value)), _unit(name, key))
+        name, {key: Value(value, *found.get((name, key), (value, value)),
+                          effect_of(name).parameter(key).unit)
                for key, value in sizes.model.effects[name].items()},
         removed, rivals[name], dict(campaign.adopted.get(name, {})))
         for name, removed in zip(order, _removed(ladder)))
 
 
-def _unit(effect: str, key: str) -> str:
-    return effect_of(effect).parameter(key).unit
-
-
 def _order(search: Search, best: Candidate) -> list[str]:
     """Return the effects in the order in which the error falls."""
     order: list[str] = []
-    while len(order) < len(best.names):
-        rest = [name for name in best.names if name not in order]
-        if len(rest) == 1:
-            order += rest
-            break
+    while rest := [name for name in best.names if name not in order]:
         trials = search.try_all([((*order, name), best.fit.only((*order, name)))
                                  for name in rest], 'ordering')
-        order.append(rest[min(range(len(rest)), key=lambda k: trials[k].score)])
+        order.append(min(zip(trials, rest), key=lambda pair: pair[0].score)[1])
     return order
 
 
@@ -224,12 +217,11 @@ def _ladder(search: Search, best: Candidate, order: Sequence[str],
 
     first = 'commissioned unit' if search.campaign.commissioned_unit else 'datasheet'
     steps = [step(first, sheet), step('calibrated unit', search.base)]
-    for count in range(1, len(order) + 1):
-        names = tuple(sorted(order[:count]))
-        fitted = best.fit if count == len(order) else search.try_all(
-            [(names, best.fit.only(names))], 'ladder')[0].fit
-        steps.append(step(order[count - 1], fitted))
-    return tuple(steps)
+    for count in range(1, len(order)):
+        names = tuple(order[:count])
+        steps.append(step(names[-1], search.try_all([(names, best.fit.only(names))],
+                                                    'ladder')[0].fit))
+    return (*steps, *([step(order[-1], best.fit)] if order else []))
 
 
 def _removed(ladder: Sequence[Step]) -> list[float]:

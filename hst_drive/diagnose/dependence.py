@@ -15,14 +15,13 @@ from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.linearised import squared_slopes
 from hst_drive.measure.readings import filled
+from hst_drive.measure.where import WARMS
 from hst_drive.model.drive import Drive
+from hst_drive.model.lags import follow
 import numpy as np
-from scipy.signal import lfilter
 
 _BINS, _BINS_OF_TWO = 12, 6
-_WORTH = 0.1            # share of the variance that a variable must add
 _MEMORY = 4.0           # s, creep of a valve
-WARMED_UP = 3.0         # K, by which the oil must warm to explain anything
 _STEP = 0.05            # s between the samples that are regressed
 # Channel: scale, shift, and its name in a formula that can be adopted.
 SCALES: dict[str, tuple[float, float, str]] = {
@@ -53,7 +52,7 @@ def samples(campaign: Campaign, model: Fit, location: Location, sizes: Sequence[
     logs = [_variables(campaign, model, index) for index in range(len(campaign.replays))]
     names = [name for name in location.reads if all(name in entry for entry in logs)
              and not (name == 'oil_temperature' and np.ptp(np.concatenate(
-                 [entry[name] for entry in logs])) < WARMED_UP / WARMTH)]
+                 [entry[name] for entry in logs])) < WARMS / WARMTH)]
     values, columns, blocks = [], {name: [] for name in names}, []
     for index, replay in enumerate(campaign.replays):
         step = max(int(_STEP / replay.run.sample_time), 1)
@@ -92,9 +91,7 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
             rate = np.gradient(smooth(campaign, index, raw), run.time)
             found[f'{name}_rate'] = rate
             found[f'{name}_history'] = _last_direction(rate)
-            share = 1 - np.exp(-run.sample_time / _MEMORY)
-            found[f'{name}_creep'] = raw - lfilter(
-                [share], [1, share - 1], raw, zi=[(1 - share) * raw[0]])[0]
+            found[f'{name}_creep'] = raw - follow(run.time, raw, _MEMORY)
     if 'motor_speed' in run:
         angle = replay.inputs['motor_angle']
         found['motor_angle_cos'], found['motor_angle_sin'] = np.cos(angle), np.sin(angle)
@@ -137,8 +134,8 @@ def depends_on(data: Samples) -> tuple[str, ...]:
     pairs = {name: _share(data, bins[first] * _BINS_OF_TWO + number, total)
              for name, number in coarse.items() if name != first}
     second = max(pairs, key=pairs.get, default=None)
-    chosen = [first] if alone[first] >= _WORTH else []
-    if second and pairs[second] >= max(alone[first], 0.0) + _WORTH:
+    chosen = [first] if alone[first] >= PRACTICAL else []
+    if second and pairs[second] >= max(alone[first], 0.0) + PRACTICAL:
         chosen = [first, second]
     return tuple(dict.fromkeys(channel_of(name) for name in chosen))
 

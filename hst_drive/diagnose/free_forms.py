@@ -9,7 +9,7 @@ from typing import Callable, Container, Mapping, NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Unknown
-from hst_drive.diagnose.unknown import Carried, worth
+from hst_drive.diagnose.unknown import worth
 from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
@@ -110,4 +110,4 @@ def as_unknown(campaign: Campaign, bare: Callable[[], Fit], trial: Trial) -> Unk
         expression=written(trial.unknown.expression, [
             (own[f'coefficient_{index}'], [TEXTS[variable] for variable in term])
             for index, term in enumerate(terms, 1)]),
-        formula=worth(campaign, bare(), Carried(formula, trial.fit)))
+        formula=worth(campaign, bare(), formula, trial.fit))

@@ -17,16 +17,16 @@ from hst_drive.channels import LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.judge import AT_NOISE
 from hst_drive.identify.zeros import read_beyond
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.turns import SLOW
+from hst_drive.measure.where import AT_NOISE
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-WINDOW = 0.10       # s, standard deviation of the smoothing
 _QUIET = 1.5        # noise ratio above which a signal is moved by more than another's sensor
 _ANGLE = ('motor_angle_cos', 'motor_angle_sin')
 _LOAD = ('pprv_command', 'motor_speed', 'oil_temperature', 'load_torque', *_ANGLE,
@@ -128,11 +128,11 @@ def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]
 
 
 def smooth(campaign: Campaign, log: int, values: np.ndarray) -> np.ndarray:
-    """Return values of a log without what is faster than ``WINDOW``; of a table as they are."""
+    """Return values of a log without what is faster than ``SLOW``; of a table as they are."""
     replay = campaign.replays[log]
     if getattr(replay, 'static', False):
         return values
-    return gaussian_filter1d(values, max(WINDOW / replay.run.sample_time, 0.5))
+    return gaussian_filter1d(values, max(SLOW / replay.run.sample_time, 0.5))
 
 
 def _used(campaign: Campaign, log: int, signal: str) -> np.ndarray:

@@ -17,12 +17,10 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import parts, unexplained
 
-_FEWEST = 3     # recordings: of two nobody could tell which is odd
-
 
 def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
     """Return the number of the odd recording and what is different there, if one is."""
-    if len(campaign.replays) < _FEWEST:
+    if len(campaign.replays) < 3:   # of two nobody could tell which is odd
         return None
     for log in range(len(campaign.replays)):
         others = campaign.of_logs(lambda index: index != log)

@@ -9,7 +9,7 @@ effect and fitted anew: what that gains on held-out data is what the formula is 
 """
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, samples, STATIC)
@@ -19,7 +19,7 @@ from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
-from hst_drive.identify.judge import gain, over_own_floors, parts, PRACTICAL, unexplained
+from hst_drive.identify.judge import gain, over_own_floors, PRACTICAL
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
 
@@ -27,14 +27,7 @@ _AT_NOISE = 1.2     # of the score of a perfect model
 _READING = 'formula_pressure_reading'
 
 
-class Carried(NamedTuple):
-    """A formula as an effect: its id and the fitted model."""
-
-    name: str
-    fit: Fit
-
-
-def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | None:
+def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     """
     Say where the remaining error enters and on what it depends.
 
@@ -43,19 +36,16 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     campaign : Campaign
         The data.
     model : Fit
-        The best that listed effects can do.
-    sure : bool
-        Something is left, though the noise ratios do not tell.
+        The best that listed effects can do, which leaves something.
 
     Returns
     -------
     Unknown or None
-        None if no structured error is left, neither on held-out logs nor on those fitted.
+        None if no place for it stands out.
 
     """
-    left = sure or any(unexplained(campaign, model, {}, part) for part in parts(campaign))
     campaign, model = over_own_floors(campaign, model)
-    location = locate(campaign, model) if left else None
+    location = locate(campaign, model)
     if location is None:
         return None
     found, used = sizes(campaign, model, location)
@@ -69,22 +59,23 @@ def describe(campaign: Campaign, model: Fit, sure: bool = False) -> Unknown | No
     static = terms
     if any(name not in STATIC for term in terms for name in term['variables']):
         static = regress(data, STATIC.__contains__)[0]
-    carried = _carry(campaign, model, location.formula, static, 1.0) if location.formula else None
-    if carried and location.formula == 'formula_torque' and not campaign.by_balance and only_read(
+    name = location.formula
+    carried = _carry(campaign, model, name, static, 1.0) if name else None
+    if carried and name == 'formula_torque' and not campaign.by_balance and only_read(
             campaign, model, location.moves):
         per_torque = -location.moves[location.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
-        if reading and score(campaign, reading.fit) < min(
-                score(campaign, carried.fit), _AT_NOISE * _noise(campaign)):
+        if reading and score(campaign, reading) < min(
+                score(campaign, carried), _AT_NOISE * _noise(campaign)):
             # The same error with the leakage unmoved: the reading is off, not the torque. Then
             # nothing else may be left: what moves with it is no error of a sensor.
-            carried = reading
+            name, carried = _READING, reading
             location, terms = _reading(location, terms, per_torque)
     enters = location.enters
     if location.formula == 'formula_pump_flow' and _by_command(depends, terms):
         enters = 'pump_actuator'
     return Unknown(enters, location.signal, depends, expression(location, terms), tuple(terms),
-                   explained, worth(campaign, model, carried) if carried else None)
+                   explained, worth(campaign, model, name, carried) if carried else None)
 
 
 def _noise(campaign: Campaign) -> float:
@@ -114,7 +105,7 @@ def _reading(location: Location, terms: Sequence[dict],
 
 
 def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
-           factor: float) -> Carried | None:
+           factor: float) -> Fit | None:
     """Fit the model with a formula as an effect; None if there is nothing to carry."""
     if not terms or name in campaign.rig.effects:
         return None
@@ -126,25 +117,22 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
     except KeyError:
         # A variable that is not known where the formula enters.
         return None
-    fitted = fit(campaign, model.model.with_effect(name, start), iterations=4, refresh=True)
-    return Carried(name, fitted)
+    return fit(campaign, model.model.with_effect(name, start), iterations=4, refresh=True)
 
 
-def worth(campaign: Campaign, model: Fit, carried: Carried) -> Formula | None:
+def worth(campaign: Campaign, model: Fit, name: str, carried: Fit) -> Formula | None:
     """Return the formula to adopt; None if it does not lower the held-out error enough."""
-    found = gain(campaign.blocks(model.errors), campaign.blocks(carried.fit.errors))
+    found = gain(campaign.blocks(model.errors), campaign.blocks(carried.errors))
     total = sum(found.amount.values()), sum(
         float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values()
         if np.isfinite(squares).any())
     if total[0] < PRACTICAL * total[1]:
         return None
-    limits = intervals(campaign, carried.fit)
-    units = {entry.name: entry.unit for entry in FORMULAS[carried.name].parameters}
-    chosen = carried.fit.model.effects[carried.name]
+    limits = intervals(campaign, carried)
+    units = {entry.name: entry.unit for entry in FORMULAS[name].parameters}
     return Formula(
-        carried.name, {key: Value(value, *limits.get((carried.name, key), (value, value)),
-                                  units[key]) for key, value in chosen.items()},
-        campaign.ratios(model.errors, True), campaign.ratios(carried.fit.errors, True),
-        carried.fit.model.scales,
-        {name: dict(parameters) for name, parameters in carried.fit.model.effects.items()
-         if name != carried.name})
+        name, {key: Value(value, *limits.get((name, key), (value, value)), units[key])
+               for key, value in carried.model.effects[name].items()},
+        campaign.ratios(model.errors, True), campaign.ratios(carried.errors, True),
+        carried.model.scales, {other: dict(parameters) for other, parameters
+                               in carried.model.without(name).effects.items()})

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from typing import Container, Iterator, NamedTuple, Sequence
 
-from hst_drive.diagnose.dependence import WARMED_UP
 from hst_drive.diagnose.free_forms import (
     as_unknown, better, fitted_free_form, FreeForm, how_much_better, Trial)
 from hst_drive.diagnose.result import Unknown
@@ -27,6 +26,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
 from hst_drive.identify.timing import (
     DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
+from hst_drive.measure.where import WARMS
 import numpy as np
 from scipy.optimize import minimize_scalar
 
@@ -94,7 +94,7 @@ def _of_warmth(search: Search, best: Candidate,
                left: Container[str]) -> dict[str, Unlisted]:
     """Return the effects in whose common place what goes with the oil's warmth fits better."""
     names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
-    if len(names) < 2 or not WARMED_UP <= np.ptp(np.concatenate(
+    if len(names) < 2 or not WARMS <= np.ptp(np.concatenate(
             [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
         return {}
     model = best.fit.model

@@ -8,13 +8,13 @@ from typing import Sequence
 from hst_drive.effects import catalogue
 from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.fit import at_ends
+from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
 
 _RIVALS_TRIED = 6
-_NEARLY = 0.1       # of what the best takes away: who leaves no more is tried, too
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
@@ -24,7 +24,8 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     scores = {entry: search.single(entry).score for entry in search.candidates
               if entry not in best.names}
     singles = sorted(scores, key=scores.get)
-    limit = best.score + _NEARLY * (search.baseline.score - best.score)
+    # Who leaves hardly more than the best is tried, too.
+    limit = best.score + PRACTICAL * (search.baseline.score - best.score)
     alike = [entry for entry in singles
              if entry in catalogue()[name].alike or scores[entry] <= limit]
     if others:

@@ -8,12 +8,11 @@ from dataclasses import replace
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import cost_of, Fit, fit
-from hst_drive.identify.judge import excess
+from hst_drive.identify.judge import excess, PRACTICAL
 from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 import numpy as np
 
-_FITS = 0.1     # squared error over the floor's
 _END = 0.8 * SIGMAS     # tolerances: near the end of what a factor may be
 _HOT, _LONGEST = 9.0, 3     # squared error of a block, blocks: an event
 
@@ -43,7 +42,7 @@ def without_adopted(campaign: Campaign, base: Fit) -> Fit:
 
 
 def _fits(campaign: Campaign, fitted: Fit) -> bool:
-    return excess(campaign.ratios(fitted.errors, False)) < _FITS
+    return excess(campaign.ratios(fitted.errors, False)) < PRACTICAL
 
 
 def _deepest(campaign: Campaign, plain: Fit) -> Fit:

@@ -23,14 +23,13 @@ from hst_drive.identify.zeros import read_beyond, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.oscillation import means_where
 from hst_drive.measure.replay import Replay
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
-BLOCK = 2.0             # s; errors further apart than this count as independent
 _SLOW_EVENTS = 0.35     # share of the blocks that events may spoil where rows miss the control
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller

@@ -22,13 +22,12 @@ from math import log
 from typing import Collection, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects.base import FORMULA_ERROR
+from hst_drive.measure.run import BLOCK
 import numpy as np
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular, toeplitz
 from scipy.special import erf
 
-BIN = 0.1           # s; errors are means over it
-PIECE = 6.0         # s; three times what follows
-_SMOOTH = 2.0       # s, over which a discrepancy is alike: it goes with the operating point
+BIN = 0.1           # s; errors are means over it, and a discrepancy is alike over ``BLOCK``
 _TAIL = 30.0        # samples by which the scale of a piece is known
 _BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
@@ -122,13 +121,13 @@ def weight(signals: int) -> float:
 
 def covariance(sensor: Sensor, count: int) -> np.ndarray:
     """Return the covariance of so many means over ``BIN`` in a row, under a perfect model."""
-    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    apart = np.arange(count)
     short = BIN / sensor.memory
     # Means of an Ornstein-Uhlenbeck process: its correlation integrated over both.
     gone = -np.expm1(-short) / short
     alike = np.where(apart == 0, 2.0 * (1.0 - gone) / short,
                      gone**2 * np.exp(-short * np.maximum(apart - 1, 0)))
-    return np.asarray(sensor.white * np.eye(count) + sensor.coloured * alike)
+    return toeplitz(sensor.white * (apart == 0) + sensor.coloured * alike)
 
 
 def likelihoods(pieces: Sequence[np.ndarray], sensor: Sensor,
@@ -154,8 +153,7 @@ def likelihoods(pieces: Sequence[np.ndarray], sensor: Sensor,
 def _modes(sensor: Sensor, count: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Return a discrepancy's power in independent modes of the noise, these, and its volume."""
     root = cholesky(covariance(sensor, count), lower=True)
-    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
-    smooth = solve_triangular(root, np.exp(-BIN / _SMOOTH * apart), lower=True)
+    smooth = solve_triangular(root, toeplitz(np.exp(-BIN / BLOCK * np.arange(count))), lower=True)
     power, modes = np.linalg.eigh(solve_triangular(root, smooth.T, lower=True))
     whiten = solve_triangular(root, modes, lower=True, trans='T').T
     return np.maximum(power, 0.0), whiten, 2.0 * float(np.log(np.diag(root)).sum())

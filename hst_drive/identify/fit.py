@@ -28,7 +28,7 @@ _TRIES = 4      # dampings of a step of all unknowns
 _MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
 _MOST, _FALLS = 20, 0.1     # steps; of the cost, that a step beyond those asked for must gain
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
-_AT_END = 0.02      # of a bound: half of what formulas are off machines does not tell it from it
+FORM = 0.04     # of a size, relative standard deviation: no machine follows a formula exactly
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
 
 
@@ -278,11 +278,12 @@ def at_ends(campaign: Campaign, model: Model, name: str) -> list[str]:
     for index, declared in enumerate(effect_of(name).parameters):
         entry = campaign.parameter(name, declared.name)
         ends, value = (entry.low, entry.high), model.effects[name].get(entry.name, entry.neutral)
+        # Half of what formulas are off machines does not tell a value from an end.
         # None of something, what formulas usually have, the ends of a bare number that shapes an
         # effect and may be other forms of it, and all of a share are as plausible as the rest.
         form = index > 0 and entry.unit == '1' and (entry.neutral in ends or ends == (0.0, 1.0))
         ends = [end for end in ends if end not in (0.0, entry.neutral, *entry.usual)]
-        if not entry.fixed and not form and any(abs(value - end) <= _AT_END * abs(end)
+        if not entry.fixed and not form and any(abs(value - end) <= 0.5 * FORM * abs(end)
                                                 for end in ends):
             found.append(entry.name)
     return found

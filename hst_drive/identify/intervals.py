@@ -14,14 +14,12 @@ from __future__ import annotations
 from typing import Mapping, NamedTuple
 
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import differences, Fit
+from hst_drive.identify.fit import differences, Fit, FORM
 from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
 from scipy.stats import norm
-
-FORM = 0.04    # of a size, relative standard deviation: no machine follows a formula exactly
 
 
 class Spread(NamedTuple):

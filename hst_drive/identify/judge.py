@@ -4,8 +4,8 @@
 What a model leaves of the recordings, and how surely another leaves less.
 
 Errors of a replay are correlated over many samples, so that statistics of independent samples
-find effects everywhere. Here a sample is a block (``Campaign.block``), and models are compared block by
-block.
+find effects everywhere. Here a sample is a block (``Campaign.block``), and models are compared
+block by block.
 """
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from hst_drive.identify.recording import at_zero, in_time, lasting
 import numpy as np
 
 PRACTICAL = 0.10        # share of the squared error that is worth a name
-AT_NOISE = 1.15         # noise ratio of a signal in which nothing is left
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 SIGNIFICANT = 3.0       # standard errors
@@ -189,10 +188,7 @@ def _beyond(campaign: Campaign, own: Campaign, ratios: Mapping[str, float],
 def _squared_floors(campaign: Campaign, own: Campaign, name: str,
                     held_out: bool | None) -> float:
     """Return the squared floor of a signal over that of a model with floors of its own."""
-    total, count = 0.0, 0
-    for common, mine in zip(campaign.columns, own.columns):
-        if common.signal == name:
-            samples = len(common.rows(held_out))
-            total += samples * (mine.scale / common.scale)**2
-            count += samples
-    return total / max(count, 1)
+    samples, squares = np.array([
+        (len(common.rows(held_out)), (mine.scale / common.scale)**2)
+        for common, mine in zip(campaign.columns, own.columns) if common.signal == name]).T
+    return float(samples @ squares / max(samples.sum(), 1))

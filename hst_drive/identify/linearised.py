@@ -8,8 +8,6 @@ from copy import copy
 import numpy as np
 from scipy.optimize import lsq_linear
 
-_RIDGE = 1e-9       # of a column's square: columns may be alike to the last digit
-
 
 class Linearised:
     """
@@ -44,13 +42,14 @@ class Linearised:
         """Return what is left once the unknowns have moved so far."""
         return float(self.cost + move @ (2.0 * self.gradient + self.normal @ move))
 
-    def step(self, low: np.ndarray, high: np.ndarray, damping: float = 0.0,
+    def step(self, low: np.ndarray, high: np.ndarray, damping: float = 1e-9,
              moved: slice = slice(None)) -> np.ndarray:
         """Return how far those unknowns that are ``moved`` go, from ``low`` to ``high``."""
+        # By default as if columns were alike but for the last digits, which they may be.
         normal = self.normal[moved, moved]
         scale = 1.0 / np.sqrt(np.diag(normal) + 1e-30)
         factor = np.linalg.cholesky(
-            normal * np.outer(scale, scale) + (damping + _RIDGE) * np.eye(len(normal)))
+            normal * np.outer(scale, scale) + damping * np.eye(len(normal)))
         target = np.linalg.solve(factor, -scale * self.gradient[moved])
         found = lsq_linear(factor.T, target, (low[moved] / scale - 1e-12,
                                               high[moved] / scale + 1e-12), method='bvls')

@@ -8,14 +8,14 @@ from typing import Sequence
 from hst_drive.channels import CHANNELS, TORQUES
 from hst_drive.effects import catalogue, Effect, Parameter
 from hst_drive.effects.slots import DRILLING_SPEED
-from hst_drive.identify.campaign import BLOCK, Campaign, ELSEWHERE, SETTLE
+from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
 from hst_drive.identify.zeros import read_beyond
 from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig

@@ -17,7 +17,7 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
 from hst_drive.identify.fit import ended, Fit, fit, score
 from hst_drive.identify.judge import (
-    contribution, Gain, gain, matters, parts, shown, unexplained)
+    contribution, Gain, gain, matters, parts, PRACTICAL, shown, unexplained)
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
@@ -28,13 +28,12 @@ from hst_drive.measure.threads import each
 import numpy as np
 
 MOST_EFFECTS = 3
-_BEAM = 2
+BEAM = 2            # candidates that are fitted with a Jacobian of their own
 _SHORTLIST = 8
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
 _NEAR = 1.5         # of the best start's cost
 _ROUNDS = 5
 _NEW_VALLEY = 0.95      # of the score: usual shapes that gain more opened the way for others
-_LEAST_GAIN = 0.05    # of the squared error: below, what is near the noise is left alone
 
 
 class Candidate(NamedTuple):
@@ -255,7 +254,7 @@ class Search:
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
         # Short events may ask for one more effect though the whole is near the noise.
-        least = 0.0 if self.unexplained(best) else _LEAST_GAIN
+        least = 0.0 if self.unexplained(best) else 0.5 * PRACTICAL
         if least:
             # Which of what evidence hardly tells apart comes first is chance.
             beam = [beam[0], *(entry for entry, value in zip(beam[1:], self.odds(
@@ -300,5 +299,5 @@ class Search:
                   ) -> tuple[list[Candidate], np.ndarray]:
         """Return the most probable candidates, and the log odds of each against ``best``."""
         odds = self.odds(best, level)
-        order = np.argsort(-odds)[:_BEAM]
+        order = np.argsort(-odds)[:BEAM]
         return [level[index] for index in order], odds[order]

@@ -16,9 +16,10 @@ from typing import Collection
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import DECIDED
 from hst_drive.identify.fit import at_ends, Fit, for_sizes
-from hst_drive.identify.judge import AT_NOISE, excess, over_own_floors
+from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
+from hst_drive.measure.where import AT_NOISE
 import numpy as np
 
 _MOST_LEFT = 0.5    # of what an effect takes away: with more its interval would hold zero

@@ -13,11 +13,10 @@ from typing import Any, Callable, NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.identify.campaign import Campaign
+from hst_drive.measure.replay import STAMPS
 from hst_drive.model.lags import follow
 from hst_drive.rig.rig import Pump
 import numpy as np
-
-_NO_LAG = 1e-3      # s: a pump that the datasheet gives no lag
 
 
 class Timing(NamedTuple):
@@ -62,7 +61,7 @@ def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> n
 def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
                     slower: float) -> np.ndarray:
     """Return the command for a plate whose lag is longer on the way down, or if < 0 up."""
-    usual = max(pump.displacement_lag, _NO_LAG)
+    usual = max(pump.displacement_lag, STAMPS)   # the sheet may give none
     aims = pump.displacement(command)
     reached = follow(time, aims, usual * (1.0 + max(-slower, 0.0)),
                      back_lag=usual * (1.0 + max(slower, 0.0)))

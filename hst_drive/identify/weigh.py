@@ -10,10 +10,11 @@ from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.columns import Column
 from hst_drive.identify.evidence import (
-    BIN, evidence, Explanation, laplace, PIECE, Probability, probability, range_of, Sensor, Signal,
+    BIN, evidence, Explanation, laplace, Probability, probability, range_of, Sensor, Signal,
     weight)
 from hst_drive.identify.fit import ended, Fit
 from hst_drive.identify.unknowns import Unknowns
+from hst_drive.measure.run import BLOCK
 import numpy as np
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ class Means:
 
     def _cut(self) -> Iterator[tuple[int, np.ndarray]]:
         """Yield stretches without a gap: index of a column, and which of its means."""
-        most = round(PIECE / BIN)
+        most = round(3 * BLOCK / BIN)
         for index, (_, number, _) in enumerate(self._bins):
             full = np.unique(number)
             for stretch in np.split(full, np.flatnonzero(np.diff(full) > 1) + 1):

@@ -7,16 +7,14 @@ from typing import Any, Callable, Container, Iterable
 
 from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import FEWEST, Run, USUAL
 from hst_drive.model.circuits import Balance, OF_A_LEAK
 from hst_drive.rig import Rig
 import numpy as np
 
 SLOWEST = 0.5           # s between rows: a longer step is a table of operating points
 _RESTLESS = 0.3         # of the variance: two rows before tell a motion, even a swing, better
-_FEW = 5                # rows: fewer tell nothing
 _VARIES = 0.05          # of the largest value: less is noise about one operating point
-USUAL = 95.0            # percentile of a reading's size
 _BACKWARDS, _SELDOM = 0.02, 0.01     # of the greatest speed; of the rows
 FIXED_PUMP = 'pump.max_displacement_cc_rev'
 _LIKELY = ('hydromotor torque', 'mass', 'pump flow', 'hydromotor flow')
@@ -170,7 +168,7 @@ def is_table(run: Run) -> bool:
         if values is None:
             continue
         values = values[np.isfinite(values)]
-        if len(values) > _FEW and values.std() > _VARIES * np.max(np.abs(values)):
+        if len(values) >= FEWEST and values.std() > _VARIES * np.max(np.abs(values)):
             before = np.column_stack([values[1:-1], values[:-2], np.ones(len(values) - 2)])
             told = before @ np.linalg.lstsq(before, values[2:], rcond=None)[0]
             if np.mean((values[2:] - told)**2) > _RESTLESS * values.var():

@@ -66,9 +66,8 @@ def measured_state(model: PartModel, channels: Mapping[str, np.ndarray], creepin
         known['pump_pressure'] = reading
         known['pump_pressure'] = reading - model.terms('pressure_reading', {
             **known, 'pressure': reading})
-        known['pressure'] = channels.get('motor_inlet_pressure', known['pump_pressure'])
-        if source == 'motor_inlet_pressure':
-            known['pressure'] = known['pump_pressure']
+        known['pressure'] = known['pump_pressure'] if source == 'motor_inlet_pressure' else \
+            channels.get('motor_inlet_pressure', known['pump_pressure'])
         if 'motor_outlet_pressure' in channels:
             known['outlet_pressure'] = channels['motor_outlet_pressure']
     if 'motor_inlet_flow' in channels:

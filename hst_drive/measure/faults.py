@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Container, Mapping
 from typing import NamedTuple
 
+from hst_drive.measure.run import USUAL
 import numpy as np
 
 _WIDTHS = (1, 2)        # samples of a spike
@@ -28,7 +29,6 @@ _SHARE = 0.1            # of how far the jump itself stands out, if that is more
 _SPARSE = 0.02          # share of spikes above which they are how the signal is
 _STANDS, _ROWS = 1.0, 20    # s and readings: shorter repetitions are chance
 _REPEATS = 20.0         # times the usual length of a repetition
-_USUAL = 95.0           # percentile of the lengths of repetitions that is usual
 _COARSE, _FEW = 0.1, 3  # s and readings: who usually repeats a number for longer is coarse
 _MOST = 0.9             # of a recording: a sensor that stands for longer is made so
 _JUMP = 15.0            # of the usual step: a reading that stands began or ended with it
@@ -236,7 +236,7 @@ def _frozen(values: np.ndarray, step: float, resolution: float) -> tuple[tuple[i
     stands = max(_STANDS / step, _ROWS)
     short = length[(length < stands) & ~np.isin(values[first], ends)]
     each = np.concatenate([np.repeat(short, short), np.ones(alone)])    # by reading
-    usual = float(np.percentile(each, _USUAL)) if len(each) else np.inf
+    usual = float(np.percentile(each, USUAL)) if len(each) else np.inf
     limit = max(stands, _REPEATS * usual)
     inside = (length > limit) & ~np.isin(values[first], ends)
     if usual > max(_COARSE / step, _FEW) or length[inside].sum() > _MOST * len(finite):

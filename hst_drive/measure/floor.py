@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 from hst_drive.measure.balances import BALANCES, datasheet_error
 from hst_drive.measure.noise import estimate_coloured
 from hst_drive.measure.readings import filled
+from hst_drive.measure.run import BLOCK
 from hst_drive.model import Drive
 import numpy as np
 
 if TYPE_CHECKING:
     from hst_drive.measure.replay import Replay
-
-_EVENT = 2.0    # s
 
 
 def replay_floor(replay: Replay, drive: Drive,
@@ -78,7 +77,7 @@ def _of_guesses(replay: Replay, drive: Drive) -> dict[str, float]:
     random = np.random.default_rng(0)
     time = replay.run.time
     # Only blocks with rows: a record may pause for longer than a block.
-    block = np.unique(((time - time[0]) / _EVENT).astype(int), return_inverse=True)[1]
+    block = np.unique(((time - time[0]) / BLOCK).astype(int), return_inverse=True)[1]
     count = np.bincount(block)
     power = dict.fromkeys(base, 0.0)
     for _ in range(replay.draws):

@@ -16,13 +16,13 @@ from typing import Any, Callable, Mapping
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed, datasheet_error, is_table, USUAL, what_would_close
+from hst_drive.measure.balances import closed, datasheet_error, is_table, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.recorded_load import DRAWS
-from hst_drive.measure.run import Run, shifted
+from hst_drive.measure.run import Run, shifted, USUAL
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
@@ -108,9 +108,9 @@ class PartReplay:
             self.inputs['motor_angle'] = turned(run.time, self._channels['motor_speed'])
         self._creeping = max(
             0.0 if self.static else _CREEPING * self.usual('motor_speed'),
-            NO_SIGN * self._noise_of('motor_speed', model, 0.0)) if 'motor_speed' in used else 0.0
+            NO_SIGN * self._noise_of('motor_speed', model)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
-        self._input_noise = {name: self._noise_of(name, model, 0.0) for name in used}
+        self._input_noise = {name: self._noise_of(name, model) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
         self._widths = {name: self._width(name, model) for name in self.signals}
         self.run = replace(run, channels={
@@ -159,13 +159,13 @@ class PartReplay:
         """Let the shaft have stood further by an angle (rad) at the start."""
         self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}
 
-    def _noise_of(self, name: str, model: PartModel, unknown: float | None = None) -> float:
+    def _noise_of(self, name: str, model: PartModel) -> float:
         """Return a sensor's noise: from the record, or as stated for a table."""
         sensor = model.rig.sensors.get(name)
         step = sensor.resolution / np.sqrt(12.0) if sensor else 0.0
         if self.static:
             if sensor is None or sensor.noise_std <= 0:
-                return unknown or 0.0
+                return 0.0
             return float(np.hypot(sensor.noise_std, step))
         if CHANNELS[name].hold == 'zero' or name == 'oil_temperature':
             return 0.0

@@ -15,15 +15,13 @@ from hst_drive.channels import CHANNELS, COMMANDS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.measure.balances import is_part
-from hst_drive.measure.run import Run
+from hst_drive.measure.run import BLOCK, FEWEST, Run, USUAL
 from hst_drive.measure.signs import swapped
+from hst_drive.measure.where import WARMS
 from hst_drive.rig import Rig
 import numpy as np
 from scipy import ndimage
 
-_BLOCK = 2.0            # s over which readings are taken together
-_FEW = 8                # blocks: fewer tell nothing
-_HIGH = 90.0            # percentile that stands for a sensor's size
 _LOW = 0.15             # of it: below, losses outweigh what they are losses of
 _AGREE = 1.4            # ratio of two sensors that agree
 _FLOW, _LOAD = 1.7, 2.5     # ratio that no tolerance makes
@@ -36,7 +34,6 @@ _COLDEST = -60.0 + 273.15   # K: nor below what the oils of the Arctic pour at
 _DRIFT = 0.03           # of the size, from start to end
 _SURE = 8.0             # standard deviations
 _APART = 0.15           # of the time that load and oil must leave unexplained
-_WARMS = 1.0            # K: less is noise
 _ALONE = 0.3            # of its drift: what the others may part from each other
 _LOSSY = ('motor_speed', *PRESSURES)    # losses lie between them and their other sensors
 
@@ -120,9 +117,9 @@ def _commands(rig: Rig, run: Run) -> list[str]:
                         ('valve_command', rig.valve and rig.valve.opening)):
         if curve is None or not np.isfinite(run.channels.get(name, np.nan)).any():
             continue
-        high, end = np.nanpercentile(np.abs(run[name]), _HIGH), np.abs(curve.x).max()
+        high, end = np.nanpercentile(np.abs(run[name]), USUAL), np.abs(curve.x).max()
         if high > _COMMANDED * end:
-            found.append(f'{name} is {high:.3g} V and more for a tenth of the time, where the '
+            found.append(f'{name} is {high:.3g} V and more for a twentieth of the time, where the '
                          f"rig's curve ends at {end:.3g} V (percent or mA taken for V?)")
     return found
 
@@ -141,9 +138,9 @@ def drifts(rig: Rig, runs: Sequence[Run]) -> list[Drift]:
 
 def _groups(rig: Rig, run: Run) -> list[Group]:
     """Return the sensors that rig and recording give."""
-    number = np.unique((run.time - run.time[0]) // _BLOCK, return_inverse=True)[1]
+    number = np.unique((run.time - run.time[0]) // BLOCK, return_inverse=True)[1]
     every = np.arange(number[-1] + 1)
-    if len(every) < _FEW:
+    if len(every) < FEWEST:
         return []
 
     def blocks(values: np.ndarray) -> np.ndarray:
@@ -182,7 +179,7 @@ def _groups(rig: Rig, run: Run) -> list[Group]:
     conditions = [blocks(run[name]) for name in COMMANDS if name in run]
     if 'oil_temperature' in run:
         oil = blocks(run['oil_temperature'])
-        if np.nanmax(oil) - np.nanmin(oil) > _WARMS:
+        if np.nanmax(oil) - np.nanmin(oil) > WARMS:
             conditions += [oil, (oil - np.nanmean(oil))**2]
     most_flow = pump.max_displacement * pump.shaft_speed if pump else 0.0
     most_load = rig.relief_valve.set_pressure * size if rig.relief_valve else 0.0
@@ -200,12 +197,12 @@ def _loading_unit(rig: Rig) -> LoadingUnit | None:
 def _ratio(a: np.ndarray, b: np.ndarray) -> float:
     """Return the median ratio of two sensors where the second is not small; NaN if nowhere."""
     good = np.isfinite(a) & np.isfinite(b)
-    if good.sum() < _FEW:
+    if good.sum() < FEWEST:
         return np.nan
     a, b = a[good], b[good]
-    large = np.abs(b) > _LOW * np.percentile(np.abs(b), _HIGH)
+    large = np.abs(b) > _LOW * np.percentile(np.abs(b), USUAL)
     large &= b != 0.0
-    return float(np.median(a[large] / b[large])) if large.sum() >= _FEW else np.nan
+    return float(np.median(a[large] / b[large])) if large.sum() >= FEWEST else np.nan
 
 
 def _alike(ratio: float) -> bool:
@@ -246,7 +243,7 @@ def _made_by_losses(name: str, beyond: float) -> tuple[float, float]:
 
 
 def _size(values: np.ndarray) -> float:
-    return float(np.nanpercentile(np.abs(values), _HIGH))
+    return float(np.nanpercentile(np.abs(values), USUAL))
 
 
 def _unit_of(name: str, ratio: float) -> str:
@@ -297,16 +294,16 @@ def _trend(group: Group, name: str, other: str) -> tuple[float, float]:
     columns.append(time)
     matrix = np.column_stack(columns)
     good = np.isfinite(matrix).all(axis=1) & np.isfinite(a)
-    good &= np.abs(b) > _LOW * np.nanpercentile(np.abs(b), _HIGH)
-    if good.sum() < len(columns) + _FEW:
+    good &= np.abs(b) > _LOW * np.nanpercentile(np.abs(b), USUAL)
+    if good.sum() < len(columns) + FEWEST:
         return 0.0, 0.0
-    matrix, y = matrix[good], (a - b)[good]
-    others, time = matrix[:, :-1], time[good]
-    alone = time - others @ np.linalg.lstsq(others, time, rcond=None)[0]
+    others, time = matrix[good, :-1], time[good]
+    # What the others leave of both has the slope that it has beside them (Frisch and Waugh).
+    alone, left = (values - others @ np.linalg.lstsq(others, values, rcond=None)[0]
+                   for values in (time, (a - b)[good]))
     if np.std(alone) < _APART * np.std(time):
         return 0.0, 0.0     # load or oil went with the time: which of them it is cannot be told
-    found = np.linalg.lstsq(matrix, y, rcond=None)[0]
-    rest = y - matrix @ found
-    variance = float(rest @ rest) / (len(y) - matrix.shape[1])
-    error = np.sqrt(variance * np.linalg.pinv(matrix.T @ matrix)[-1, -1])
-    return float(found[-1]), float(abs(found[-1]) / max(error, 1e-300))
+    slope = alone @ left / (alone @ alone)
+    variance = np.sum((left - slope * alone)**2) / (len(left) - matrix.shape[1])
+    error = np.sqrt(variance / (alone @ alone))
+    return float(slope), float(abs(slope) / max(error, 1e-300))

@@ -57,23 +57,23 @@ class Readings:
             return max(self.sensors[name].noise_std, self.step(name))
         return max(noise_std(moving), self.step(name))
 
-    def at_ends(self, name: str, rows: slice = slice(None)) -> tuple[np.ndarray, np.ndarray]:
+    def at_ends(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Say where a reading stands at the lower and at the upper end of its sensor's range."""
-        measured, sensor = self.run[name][rows], self.sensors.get(name)
+        measured, sensor = self.run[name], self.sensors.get(name)
         if sensor is None or not sensor.range:
             return np.zeros((2, len(measured)), dtype=bool)
         low, high = sensor.range
         near = 0.51 * sensor.resolution + 1e-9 * (high - low)
         return np.abs(measured - low) <= near, np.abs(measured - high) <= near
 
-    def as_read(self, name: str, model: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
+    def as_read(self, name: str, model: np.ndarray) -> np.ndarray:
         """Let the model lag as the reading does, and hold it where that is at its range's end."""
         if lag := self.lags.get(name):
             from scipy.signal import lfilter    # here: few need it, and it loads for a second
 
             share = -np.expm1(-self.run.sample_time / lag)
             model = lfilter([share], [1.0, share - 1.0], model, zi=[(1.0 - share) * model[0]])[0]
-        measured, (low, high) = self.run[name][rows], self.at_ends(name, rows)
+        measured, (low, high) = self.run[name], self.at_ends(name)
         if not (low.any() or high.any()):
             return model
         model = np.where(low, np.maximum(model, measured), model)

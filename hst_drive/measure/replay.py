@@ -38,7 +38,7 @@ SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
     'case_drain_flow', 'motor_speed', 'load_torque', 'motor_torque', 'pump_displacement',
     'pump_speed')
-_STAMPS = 1e-3  # s, to which time stamps are known
+STAMPS = 1e-3   # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
 
 
@@ -89,7 +89,7 @@ class Replay(RecordedLoad):
         self.steps = controller_steps(time, {name: filled(run[name], hold=True)
                                              for name in COMMANDS})
         steps = self.steps.values()
-        self.stamp_std = float(np.hypot(_STAMPS, max(entry.jitter for entry in steps)))
+        self.stamp_std = float(np.hypot(STAMPS, max(entry.jitter for entry in steps)))
         self.command_time_std = np.max([entry.time_std(run.sample_time) for entry in steps],
                                        axis=0)
         self.inputs = {name: entry.values for name, entry in self.steps.items()}
@@ -257,7 +257,7 @@ class Replay(RecordedLoad):
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
         inputs = {name: float(values[0]) for name, values in self.inputs.items()}
-        return first_state(drive, self._beginning.first, inputs, self.torque, self._beginning)
+        return first_state(drive, self._beginning, inputs, self.torque)
 
     def half_a_row_early(self, drive: Drive) -> list[tuple[np.ndarray, dict[str, np.ndarray]]]:
         """Return rows behind which each command steps, and what moves if it does so earlier."""

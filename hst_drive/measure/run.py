@@ -12,7 +12,9 @@ from hst_drive.errors import InputError
 from hst_drive.units import from_si
 import numpy as np
 
-FEWEST = 8              # changes of the commands below which nothing can be told
+FEWEST = 8              # of anything: fewer tell nothing
+BLOCK = 2.0             # s; errors further apart than this count as independent
+USUAL = 95.0            # percentile up to which sizes are usual
 _STEPPING = 0.9         # share of them that lies where the controller steps
 _WRITTEN = 1e-6         # of the largest value: what a format may round off
 

@@ -82,8 +82,8 @@ def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np
     return root(lambda volts: settled(volts) - torque[1], table.x[0], table.x[-1], 1e-3)
 
 
-def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],
-                torque: str | None, beginning: Beginning | None = None) -> np.ndarray:
+def first_state(drive: Drive, beginning: Beginning, inputs: Mapping[str, float],
+                torque: str | None) -> np.ndarray:
     """
     Return the state at the first sample, as far as the signals tell it.
 
@@ -94,17 +94,16 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     ----------
     drive : Drive
         The model.
-    first : mapping of str to float
-        First sample of the signals that there are, SI.
+    beginning : Beginning
+        What the first rows tell.
     inputs : mapping of str to float
         First 'pump_command', 'pprv_command' (V), 'oil_temperature' (K) and, by default 0,
         'motor_angle' (rad).
     torque : str, optional
         Name of the torque signal, if there is one.
-    beginning : Beginning, optional
-        What more rows than the first tell of the pump's plate.
 
     """
+    first = beginning.first
     commands = {name: inputs[name] for name in COMMANDS}
     state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
     motor, pump = drive.rig.motor, drive.rig.pump
@@ -138,11 +137,11 @@ def first_state(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, f
     return state
 
 
-def _resting_displacement(drive: Drive, state: np.ndarray, beginning: Beginning | None,
+def _resting_displacement(drive: Drive, state: np.ndarray, beginning: Beginning,
                           commands: Mapping[str, float], inputs: Mapping[str, float]) -> float:
     """Return the displacement (m^3/rad) whose flow the hydromotor, leaks and oil volume take."""
     state, rise = state.copy(), 0.0
-    if beginning and 'motor_speed' in beginning.resting:
+    if 'motor_speed' in beginning.resting:
         state[2], rise = beginning.resting['motor_speed'], beginning.rise
         state[1] = beginning.resting.get('pump_outlet_pressure', state[1])
     state[0] = 0.0

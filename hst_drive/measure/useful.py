@@ -8,6 +8,7 @@ from typing import Mapping, NoReturn, Sequence
 from hst_drive.channels import CHANNELS, LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_part, is_table
+from hst_drive.measure.judged import MOST
 from hst_drive.measure.noise import steady_noise
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
@@ -18,7 +19,6 @@ import numpy as np
 _OF_OTHERS = (*LINES, 'charge_pressure', 'valve_command')
 _SLOWEST = 0.2      # s; the drive swings about once a second, its plate moves within tenths of one
 _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
-_STARVED = 0.5      # of the rows of a command: where more are missing a replay makes them up
 
 
 def refuse_still(run: Run) -> None:
@@ -56,9 +56,9 @@ def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
 
     """
     for name, count in missing.items():
-        if count > _STARVED * rows:
+        if count > MOST * rows:
             raise InputError(f'{source}: {name} is missing in {count} of {rows} rows; expected it '
-                             f'in at least {100 * (1 - _STARVED):.0f} %: check its stamps, its '
+                             f'in at least {100 * (1 - MOST):.0f} %: check its stamps, its '
                              'column or its topic, or give the part of the log that has it')
 
 

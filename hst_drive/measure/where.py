@@ -13,14 +13,14 @@ from scipy.ndimage import gaussian_filter1d
 
 _BINS = 8
 _MOST = 8           # regions, the most telling first
-_AT_NOISE = 1.15    # floors: a signal that is nearer has no error to look for
+AT_NOISE = 1.15     # floors: in a signal that is nearer nothing is left
 _VARIABLES = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed', 'oil_temperature',
               'pump_command', 'pprv_command', 'load_torque', 'motor_torque')
 # A region says something if the odds of the error to lie there are so many times those of the
 # time: fewer are needed where the variable explains more of it. Where the error changes its sign
 # from moment to moment no function explains it, but then it must be crowded.
 _ODDS = ((0.3, 1.5), (0.1, 2.0), (0.0, 5.0))   # explained at least, odds at least
-LEAST_SPAN = {'oil_temperature': 2.0}    # K; oil that keeps its temperature explains nothing
+WARMS = 2.0         # K; oil that keeps its temperature explains nothing
 TRANSIENT = 'pressure_rate'   # Pa/s; how fast the state changes
 
 
@@ -83,7 +83,7 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
         if valid.sum() < 10 * _BINS:
             continue
         power = np.mean(error[valid]**2)
-        if power < (_AT_NOISE * floors[signal])**2:
+        if power < (AT_NOISE * floors[signal])**2:
             continue
         for variable, columns in variables.items():
             if variable == signal and variable in TORQUES:
@@ -100,7 +100,7 @@ def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 3 or edges[-1] - edges[0] < 1e-9 * max(abs(edges[0]), abs(edges[-1]), 1e-9):
         return None
-    if edges[-1] - edges[0] < LEAST_SPAN.get(variable, 0.0):
+    if edges[-1] - edges[0] < (WARMS if variable == 'oil_temperature' else 0.0):
         return None
     bins = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, len(edges) - 2)
     counts = np.bincount(bins, minlength=len(edges) - 1)

@@ -8,7 +8,7 @@ from typing import Sequence
 
 from hst_drive.channels import CHANNELS, PRESSURES
 from hst_drive.measure.compare import LogComparison
-from hst_drive.measure.where import LEAST_SPAN, operating_variables
+from hst_drive.measure.where import operating_variables, WARMS
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
 
@@ -45,7 +45,7 @@ def _signal(pairs: list[tuple[LogComparison, dict]], name: str) -> dict:
         if not all(variable in entry for _, entry in pairs):
             return None
         values = np.concatenate([entry[variable] for _, entry in pairs])
-        if np.ptp(values) < LEAST_SPAN.get(variable, 0.0):
+        if variable == 'oil_temperature' and np.ptp(values) < WARMS:
             return None
         return from_si(values, CHANNELS[variable].display)
 
