@@ -24,7 +24,7 @@ import sys
 import traceback
 
 import hst_drive
-from hst_drive.cli.output import check_target
+from hst_drive.cli.output import check_target, refuse_inputs
 from hst_drive.errors import InputError
 
 PROG = 'hst-drive'
@@ -169,13 +169,9 @@ def _run_verb(name: str, arguments: list[str], prog: str) -> int:
 
 
 def _refuse_to_write_what_is_read(options: dict[str, object]) -> None:
-    """Raise InputError if an output is one of the inputs: nobody wants to lose a measurement."""
+    """Raise InputError if an output is an input, or two are one: nothing is to be lost."""
     texts = {name: [text for text in (value if isinstance(value, list) else [value])
                     if isinstance(text, str)] for name, value in options.items()}
-    read = {Path(text).resolve() for name, found in texts.items() if name not in _OUTPUTS
-            for text in found if os.path.isfile(text)}
-    for name in _OUTPUTS:
-        for text in texts.get(name, ()):
-            if Path(text).resolve() in read:
-                raise InputError(f'{text}: would be read and written over; choose another name '
-                                 'for the output')
+    read = [text for name, found in texts.items() if name not in _OUTPUTS
+            for text in found if os.path.isfile(text)]
+    refuse_inputs([text for name in _OUTPUTS for text in texts.get(name, ())], read)

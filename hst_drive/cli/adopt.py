@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     rig = read_yaml(rig_file)
     adopted = adopt(rig, diagnosis, args.diagnosis, rig_file, formula=args.formula,
                     calibration=args.calibration, dates=history_dates(diagnosis))
-    parse_rig(adopted, args.output)
+    parse_rig(adopted, args.diagnosis)
     write_yaml(adopted, args.output)
     tell = say if args.output == '-' else print
     for name, values in adopted['effects'].items():

@@ -18,8 +18,8 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
-from hst_drive.cli.output import add_json_argument, check_target, say, table, write_json, \
-    write_text
+from hst_drive.cli.output import (
+    add_json_argument, check_target, refuse_inputs, say, table, write_json, write_text)
 from hst_drive.errors import InputError
 from hst_drive.units import for_people
 
@@ -73,6 +73,8 @@ def run(args: argparse.Namespace) -> int:
 
         check_target(args.output)
     campaigns = find_campaigns(args.place)
+    refuse_inputs([text for text in (args.output, args.json) if text],
+                  [path for campaign in campaigns for path in campaign.files])
     began = time.monotonic()
     try:
         lives = live(campaigns, Store(Path(args.results)), as_json, healthy=args.healthy,

@@ -11,6 +11,7 @@ from hst_drive.diagnose.result import require_schema
 from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
+from hst_drive.rig.fingerprint import SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.schema import TOLERANCES
 
@@ -73,6 +74,10 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
             raise InputError(f"{rig_source}: effect '{already[0]}' is adopted already; diagnose "
                              'again with --rig and this file to see what else is missing, or has '
                              'changed')
+        if diagnosis.get('since') and SECTION not in rig:
+            raise InputError(f'{source}: was made with --since, without a file of this machine; '
+                             "write one ('hst-drive commission OLD... -o unit.yaml'), diagnose "
+                             'with --rig unit.yaml and adopt that')
         if diagnosis.get('rig') == rig_source:
             raise InputError(f'{rig_source}: has changed since it was diagnosed; diagnose again')
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '

@@ -168,6 +168,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     unit = deepcopy(rig)    # with the law of its oil
     unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
     correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)
+    sigmas = np.minimum(sigmas, make)   # no machine is less known than its make
     unit[SECTION] = {
         'sigma_relative': {key: float(f'{value:.4g}')
                            for key, value in zip(campaign.tolerances, sigmas)},

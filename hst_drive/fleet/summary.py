@@ -218,11 +218,12 @@ def _power(rows: Sequence[dict]) -> tuple[float, float]:
     Return the power of the viscosity that a machine's leakages follow, and one sigma of it.
 
     Any between those of orifices and of laminar gaps is as plausible, but for what the logs of
-    all dates tell: their oil warms up.
+    all dates tell, and those that it was commissioned on: their oil warms up.
     """
     misfits = np.polyfit(POWERS, np.sum([row['misfits'] for row in rows], axis=0), 2)
     powers = np.linspace(POWERS[0], POWERS[-1], 101)
-    chances = softmax(-0.5 * np.polyval(misfits, powers))
+    known, sigma = rows[-1].get('law') or (0.0, np.inf)
+    chances = softmax(-0.5 * (np.polyval(misfits, powers) + ((powers - known) / sigma)**2))
     power = float(chances @ powers)
     return power, float(np.sqrt(chances @ (powers - power)**2))
 

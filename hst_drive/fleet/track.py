@@ -45,14 +45,15 @@ class Tracked(NamedTuple):
     ``offset``: what is not known of the machine itself moves all its sizes by so much, together.
     Of a leak it is the one in the oil as it was; ``by_power``: if all leakages follow its
     viscosity by each of ``POWERS``, and ``misfits`` how ill the logs fit then, squared and in
-    standard deviations. Temperature (degC) and viscosity (m^2/s) of the oil are None if they are
-    not known.
+    standard deviations. ``law`` is that power and one sigma of it, if the machine's file has it.
+    Temperature (degC) and viscosity (m^2/s) of the oil are None if they are not known.
     """
 
     sizes: Sizes
     oil_temperature: float | None
     viscosity: float | None
     misfits: tuple[float, ...]
+    law: tuple[float, float] | None
 
 
 def track(rig: Rig, runs: Sequence[Run],
@@ -74,7 +75,7 @@ def track(rig: Rig, runs: Sequence[Run],
     warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
     grade = rig.line.oil_grade if rig.line else ''
     thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
-    if thick is None or OIL_LAW in rig.effects or not any(map(leaks, effects)):
+    if thick is None or not any(map(leaks, effects)):
         sizes, misfits = _sizes(rig, runs, effects)[0], ()
     else:
         each, misfits = zip(*(_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
@@ -84,7 +85,10 @@ def track(rig: Rig, runs: Sequence[Run],
             if name in sizes and leaks(name):
                 sizes[name]['by_power'] = [other[name]['value'] for other in each]
     return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
-                   None if thick is None else float(thick), misfits)
+                   None if thick is None else float(thick), misfits,
+                   (rig.effects[OIL_LAW]['exponent'], rig.fingerprint.oil_law)
+                   if rig.fingerprint and rig.fingerprint.oil_law and OIL_LAW in rig.effects
+                   else None)
 
 
 def _sizes(rig: Rig, runs: Sequence[Run],

@@ -88,6 +88,9 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
     provenance = content.get('provenance') or {}
     if not isinstance(provenance, dict):
         raise InputError(f"{source}: 'provenance' is {_shown(provenance)}, expected a mapping")
+    if SECTION in content and 'calibration' not in content:
+        raise InputError(f"{source}: key 'calibration' is missing beside '{SECTION}'; commission "
+                         'the machine again')
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
     _number(temperature, *OIL_TEMPERATURES, source, 'characterised_at_oil_temperature_degC',
             'degC')

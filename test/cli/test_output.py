@@ -11,6 +11,7 @@ from hst_drive.bag import write_csv
 from hst_drive.cli import main
 from hst_drive.cli.output import table, write_json
 from hst_drive.errors import InputError
+from hst_drive.rig import default_rig_file
 import numpy as np
 import pytest
 
@@ -107,3 +108,25 @@ def test_no_verb_writes_over_what_it_reads(arguments, tmp_path, monkeypatch, cap
     assert main(list(arguments)) == 2
     assert 'would be read and written over' in capsys.readouterr().err
     assert (tmp_path / 'log.csv').read_bytes() == before
+
+
+@pytest.mark.parametrize('option', ('-o', '--json'))
+@pytest.mark.parametrize('name', ('rig.yaml', 'm/2026-01-01/log.csv'))
+def test_a_fleet_writes_over_none_of_its_files(option, name, tmp_path, capsys):
+    target = tmp_path / 'fleet' / name
+    (tmp_path / 'fleet/m/2026-01-01').mkdir(parents=True)
+    write_csv(tmp_path / 'fleet/m/2026-01-01/log.csv', record(3, duration=6.0))
+    (tmp_path / 'fleet/rig.yaml').write_bytes(Path(default_rig_file()).read_bytes())
+    before = target.read_bytes()
+    assert main(['fleet', str(tmp_path / 'fleet'), '--results', str(tmp_path / 'kept'),
+                 option, str(target)]) == 2
+    assert f'{target}: would be read and written over' in capsys.readouterr().err
+    assert target.read_bytes() == before
+
+
+def test_two_outputs_are_two_files(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_csv(tmp_path / 'log.csv', record(3, duration=6.0))
+    assert main(['compare', 'log.csv', '--plot', 'a.png', '--json', './a.png']) == 2
+    assert 'a.png: is the name of two outputs' in capsys.readouterr().err
+    assert not (tmp_path / 'a.png').exists()

@@ -76,6 +76,14 @@ def test_adopting_twice_is_refused(written, tmp_path, capsys):
     assert target.read_bytes() == before and not (tmp_path / 'twice.yaml').exists()
 
 
+def test_what_changed_since_older_logs_needs_a_file_of_the_machine(written, tmp_path, capsys):
+    content = json.loads(written.read_text()) | {'since': ['old.csv'], 'rig_digest': 'other'}
+    since = tmp_path / 'since.json'
+    since.write_text(json.dumps(content))
+    said = refused(capsys, since, '-o', tmp_path / 'rig.yaml')
+    assert str(since) in said and 'hst-drive commission OLD... -o unit.yaml' in said
+
+
 @pytest.mark.parametrize('change', [
     ('displacement_cc_rev: 195', 'displacement_cc_rev: 196'),
     ('area_m2: 1.6e-05', 'area_m2: 1.7e-05'),

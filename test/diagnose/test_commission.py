@@ -116,6 +116,7 @@ def test_what_the_logs_do_not_tell_stays_as_the_make_has_it():
     leakage = made.quantities[1]
     assert made.day_to_day == DAY_TO_DAY and not made.from_logs
     assert leakage.sigma > 0.5 * leakage.make and 'pressure' in leakage.test
+    assert all(entry.sigma <= entry.make for entry in made.quantities)
 
 
 def test_logs_in_which_something_is_missing_are_refused():

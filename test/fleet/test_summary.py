@@ -57,14 +57,15 @@ def test_wear_is_told_with_its_end(machines):
     assert entry.remaining.low < true < entry.remaining.high
 
 
-@pytest.mark.parametrize('told', [False, True])
+@pytest.mark.parametrize('told', ['', 'logs', 'file'])
 @pytest.mark.parametrize('power', [0.0, 0.5, 1.0])
 def test_a_leak_is_told_in_oil_as_it_usually_is(power, told):
     """
     A machine leaks TYPICAL by its table and as much again after 671 days; its summers are warm.
 
     All goes with a power of the viscosity. What is left of it if the table goes with another one
-    is what logs of each date tell. ``told``: oil that warms up in them tells the power.
+    is what logs of each date tell. Where oil warms up in them they tell the power; or it is in
+    the machine's file.
     """
     days = 61.0 * np.arange(12)
     thin = np.exp(0.3 * np.sin(2.0 * np.pi * days / 365.25))
@@ -75,7 +76,8 @@ def test_a_leak_is_told_in_oil_as_it_usually_is(power, told):
 
     found, followed = rows('warm', days, left(0.5), sigma=0.5 * SIGMA)
     for row, *sizes, viscosity in zip(followed, *map(left, POWERS), 3e-5 / thin):
-        row |= {'viscosity': viscosity, 'misfits': told * 100.0 * (np.array(POWERS) - power)**2}
+        row |= {'viscosity': viscosity, 'law': (power, 0.1) if told == 'file' else None,
+                'misfits': (told == 'logs') * 100.0 * (np.array(POWERS) - power)**2}
         own = row['sizes']['motor_leakage']
         own['by_power'] = sizes + own['value'] - sizes[1]
     machine, = summarise(together((found, followed)), LIMITS).machines

@@ -18,7 +18,7 @@ GOOD = {
 def rig(section):
     """Return the shipped rig with this section."""
     content = yaml.safe_load(share('config', 'rig', 'test_rig.yaml').read_text())
-    return parse_rig({**content, 'commissioned': section}, 'unit.yaml')
+    return parse_rig({**content, 'calibration': {}, 'commissioned': section}, 'unit.yaml')
 
 
 def test_numbers_arrive_in_si_and_stand_in_the_place_of_tolerances():
@@ -72,3 +72,9 @@ def test_a_slip_is_told_in_one_line(path, value, said):
 def test_a_missing_key_is_told(key):
     with pytest.raises(InputError, match=f'commissioned.{key}.* is missing'):
         rig({name: value for name, value in GOOD.items() if name != key})
+
+
+def test_a_machine_without_its_factors_is_none():
+    content = yaml.safe_load(share('config', 'rig', 'test_rig.yaml').read_text())
+    with pytest.raises(InputError, match="^unit.yaml: key 'calibration' is missing"):
+        parse_rig({**content, 'commissioned': GOOD}, 'unit.yaml')
