@@ -67,7 +67,7 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     # Of what evidence hardly tells apart (Kass and Raftery) the plainest.
     first, _ = min(((entry, value) for entry, value in zip(sets, odds)
                     if value >= odds.max() - log(DECIDED)),
-                   key=lambda item: (_plainness(item[0].names), -item[1]))
+                   key=lambda item: (_plainness(search, item[0].names), -item[1]))
     if first is best:
         return best
     found = standing(search, first)
@@ -94,12 +94,13 @@ def rivals_of(search: Search, first: Candidate, best: Candidate,
             new: tuple(group[place] for place in np.argsort(-odds) if odds[place] >= -CREDIBLE)}
 
 
-def _plainness(names: Sequence[str]) -> tuple[int, int]:
+def _plainness(search: Search, names: Sequence[str]) -> tuple[int, int, int]:
     """
-    Return how many effects are special, and all parameters.
+    Return how many effects the machine is not known to have, are special, and all parameters.
 
-    They need a drive that turns both ways to show, or are one form of another effect.
+    Special ones need a drive that turns both ways to show, or are one form of another effect.
     """
     effects = [catalogue()[name] for name in names]
-    return (sum(effect.both_ways or bool(effect.form_of) for effect in effects),
+    return (len({*names} - {*search.campaign.faults}),
+            sum(effect.both_ways or bool(effect.form_of) for effect in effects),
             sum(len(effect.parameters) for effect in effects))

@@ -1,11 +1,14 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """One effect, or two that look like it together: a friction that falls and a drag that rises."""
+from types import SimpleNamespace
+
 from bench.campaigns import as_runs
-from hst_drive.diagnose.choose import likeliest
+from hst_drive.diagnose import choose
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.search import Search
+from hst_drive.identify.search import Candidate, Search
+import numpy as np
 import pytest
 
 from ..truth import make_campaign
@@ -40,4 +43,20 @@ def test_of_effects_that_look_alike_the_likelier_comes_first(hidden, form, first
     best = search.refine(search.single('back_pressure'))
     assert not search.unexplained(best)
     rivals = {'back_pressure': alternatives(search, best, 'back_pressure')}
-    assert likeliest(search, best, rivals).names == (first,)
+    assert choose.likeliest(search, best, rivals).names == (first,)
+
+
+@pytest.mark.parametrize('faults, first', [
+    ((), 'pressure_sensor_bias'), (('bearing_friction',), 'bearing_friction')])
+def test_of_what_logs_hardly_tell_apart_a_change_of_what_is_known_comes_first(
+        monkeypatch, faults, first):
+    """By the evidence a gauge is a little likelier; it has fewer parameters, too."""
+    gauge, friction = (Candidate((name,), None, 0.0)
+                       for name in ('pressure_sensor_bias', 'bearing_friction'))
+    monkeypatch.setattr(choose, 'log_odds', lambda search, sets: np.array([0.0, -0.1]))
+    monkeypatch.setattr(choose, 'standing', lambda search, found: found)
+    search = SimpleNamespace(
+        campaign=SimpleNamespace(faults=faults), refine=lambda found: found,
+        tried=lambda: [gauge, friction], unexplained=lambda found: {})
+    rivals = {'pressure_sensor_bias': ('bearing_friction',)}
+    assert choose.likeliest(search, gauge, rivals).names == (first,)
