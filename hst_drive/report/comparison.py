@@ -90,7 +90,8 @@ def _left_out(log: LogComparison) -> list[str]:
         spans.append(f'and {seconds:.0f} s in {len(more)} more')
     lines = [f'{log.run.name}: {"; ".join(spans)}'] if spans else []
     lines += [f'{log.run.name}: {name}, of which no row can be judged' for name in log.unjudged]
-    return lines + [f'{log.run.name}: {why} makes {100 * share:.0f} % of the log, so it is judged'
+    return lines + [f'{log.run.name}: {why} makes {100 * share:.0f} % of the log, so it is judged '
+                    'all the same: too little would be left without'
                     for why, share in log.judged.kept.items()]
 
 
