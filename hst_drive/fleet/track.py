@@ -75,7 +75,8 @@ def track(rig: Rig, runs: Sequence[Run],
     warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
     grade = rig.line.oil_grade if rig.line else ''
     thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
-    if thick is None or not any(map(leaks, effects)):
+    law, sure = rig.effects.get(OIL_LAW), rig.fingerprint.oil_law if rig.fingerprint else 0.0
+    if thick is None or law and not sure or not any(map(leaks, effects)):
         sizes, misfits = _sizes(rig, runs, effects)[0], ()
     else:
         each, misfits = zip(*(_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
@@ -86,9 +87,7 @@ def track(rig: Rig, runs: Sequence[Run],
                 sizes[name]['by_power'] = [other[name]['value'] for other in each]
     return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
                    None if thick is None else float(thick), misfits,
-                   (rig.effects[OIL_LAW]['exponent'], rig.fingerprint.oil_law)
-                   if rig.fingerprint and rig.fingerprint.oil_law and OIL_LAW in rig.effects
-                   else None)
+                   (law['exponent'], sure) if law and sure else None)
 
 
 def _sizes(rig: Rig, runs: Sequence[Run],
