@@ -202,8 +202,8 @@ def _column(entry: Entry, header: list[str], names: list[str], path: str, source
         hint = f'; did you mean {near[0]!r}?' if near else ''
         raise InputError(f'{source}: {entry.channel}: {path} has no column {entry.source!r}{hint}')
     raise InputError(f'{path}: has no column time[s]; its columns are '
-                     f'{", ".join(header)[:_SHOWN]}. Rename one, or name it under "time" '
-                     'in a channel map')
+                     f'{", ".join(header)[:_SHOWN]}. Rename one, name it under "time" in '
+                     'a channel map, or delete the lines above the header')
 
 
 def _unit(entry: Entry, cell: str, path: str) -> str:

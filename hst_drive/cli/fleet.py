@@ -116,7 +116,8 @@ def _progress(began: float):
             return
         if row['status'] == 'failed':
             say(f'{row["campaign"]}: failed: {row["reason"]}')
-        if tty or progress.done == progress.total or progress.done % 50 == 0:
+        if tty or progress.done == progress.total or progress.done % max(
+                progress.total // 10, 1) == 0:
             line = (f'{progress.done} of {progress.total} {progress.what}, '
                     f'{time.monotonic() - began:.0f} s')
             print(f'\r{line}' if tty and progress.done < progress.total else line,
