@@ -183,7 +183,7 @@ def test_with_a_machines_own_file_what_came_since_is_told(tmp_path):
     sheet = yaml.safe_load(default_rig_file().read_text())
     tolerances = sheet['tolerances_1_sigma_relative']
     unit = tmp_path / 'unit.yaml'
-    unit.write_text(yaml.safe_dump({**sheet, 'commissioned': {
+    unit.write_text(yaml.safe_dump({**sheet, 'calibration': {}, 'commissioned': {
         'sigma_relative': {key: 0.1 * value for key, value in tolerances.items()},
         'correlation': np.eye(len(tolerances)).tolist(), 'day_to_day_share_of_tolerance': 0.1,
         'conditions': {}}}))
