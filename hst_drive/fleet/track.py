@@ -75,8 +75,10 @@ def track(rig: Rig, runs: Sequence[Run],
     warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
     grade = rig.line.oil_grade if rig.line else ''
     thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
-    law, sure = rig.effects.get(OIL_LAW), rig.fingerprint.oil_law if rig.fingerprint else 0.0
-    if thick is None or law and not sure or not any(map(leaks, effects)):
+    law = (rig.effects[OIL_LAW]['exponent'], rig.fingerprint.oil_law) if (
+        OIL_LAW in rig.effects and rig.fingerprint and rig.fingerprint.oil_law) else None
+    told_by_make = OIL_LAW in rig.effects and not law
+    if thick is None or told_by_make or not any(map(leaks, effects)):
         sizes, misfits = _sizes(rig, runs, effects)[0], ()
     else:
         each, misfits = zip(*(_sizes(replace(rig, effects={**rig.effects, OIL_LAW: {
@@ -86,8 +88,7 @@ def track(rig: Rig, runs: Sequence[Run],
             if name in sizes and leaks(name):
                 sizes[name]['by_power'] = [other[name]['value'] for other in each]
     return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
-                   None if thick is None else float(thick), misfits,
-                   (law['exponent'], sure) if law and sure else None)
+                   None if thick is None else float(thick), misfits, law)
 
 
 def _sizes(rig: Rig, runs: Sequence[Run],

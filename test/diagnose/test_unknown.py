@@ -4,6 +4,7 @@
 import json
 
 from hst_drive import cli
+from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.unknown import describe
 from hst_drive.effects import catalogue, formula
 from hst_drive.effects.base import arguments
@@ -48,8 +49,6 @@ def test_place_dependence_and_formula_come_out(enters):
 
 @pytest.mark.needs_numba
 def test_nothing_is_described_where_nothing_is_left():
-    from hst_drive.diagnose.decide import diagnose
-
     assert diagnose(default_rig(), [record(3, duration=30.0)]).unknown is None
 
 
@@ -58,7 +57,6 @@ def test_part_has_its_unknown_too():
     run = benches.motor_bench('none', seed=6)
     speed = run['motor_speed']
     run.channels['motor_torque'][:] -= 14 * np.sign(speed) * np.exp(-((speed - 9) / 1.5)**2)
-    from hst_drive.diagnose.decide import diagnose
     result = diagnose(benches.motor_rig(), [run])
     assert result.verdict == 'unknown'
     assert result.unknown.enters == 'torque' and result.unknown.depends_on == ('motor_speed',)
