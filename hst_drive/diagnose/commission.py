@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import replace
-from typing import Any, Callable, Iterable, NamedTuple, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.result import Diagnosis
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import arguments
+from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
@@ -237,11 +237,12 @@ def _as_ratio(tolerance: float) -> float:
     return max(tolerance, -float(np.log1p(-min(SIGMAS * tolerance, _LESS))) / SIGMAS)
 
 
-def _follow_viscosity(effects: Iterable[str]) -> bool:
+def _follow_viscosity(effects: Mapping[str, Mapping[str, float]]) -> bool:
     """Return whether an effect's size is one at the temperature of the rig file's tables."""
     known = catalogue(everything=True)
     return any({'viscosity_ratio', 'characterised_at'} & {*arguments(function)}
-               for effect in effects for _, function in known[effect].terms)
+               for effect, values in effects.items() if values.get(OIL_POWER[0].name, 1.0)
+               for _, function in known[effect].terms)
 
 
 def repeatability(campaign: Campaign, fitted: Fit) -> float:

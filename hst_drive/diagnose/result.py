@@ -40,8 +40,8 @@ class Found(NamedTuple):
 
     ``error_removed`` is the share of the held-out squared error above the noise that this step
     removed; ``indistinguishable_from`` are effects that explain these logs as well, and
-    ``UNIT_ALONE`` if the unit does. ``adopted`` are its parameters, SI, as the rig has them: then
-    it has changed since.
+    ``UNIT_ALONE`` if the unit does. ``adopted`` are its parameters, SI, as the rig has them, of a
+    leak in the oil of these logs: then it has changed since.
     """
 
     id: str

@@ -81,6 +81,17 @@ class Parameter:
         return not self.needs or self.needs in channels
 
 
+# How a leak through gaps goes with the oil; of one whose size is that at the usual viscosity.
+OIL_POWER = (
+    Parameter('oil_power', '1', 0.0, 3.0, 0.0,
+              'power of the viscosity by which it falls; 0: it does not follow the oil',
+              fixed=True, whole_drive=True),
+    Parameter('oil_viscosity_ratio', '1', 1e-3, 1e3, 1.0,
+              'viscosity, over that at which the tables were measured, for which its size holds',
+              neutral=1.0, fixed=True, whole_drive=True),
+)
+
+
 @dataclass(frozen=True)
 class Effect:
     """

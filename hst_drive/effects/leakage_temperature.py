@@ -5,12 +5,30 @@ Warm oil is thin: the leakage of the tables, measured at one temperature, grows 
 
 ``viscosity_ratio`` comes from Walther's equation (``oil.py``) for the rig's oil grade.
 """
-from hst_drive.effects.base import Effect, Parameter
+from hst_drive.effects.base import Effect, OIL_POWER, Parameter
 
 # What passes a gap follows the oil's viscosity by a power between 0 (orifices) and 1 (laminar
 # gaps): the middle, and one standard deviation where any is as plausible.
 POWER, POWER_SIGMA = 0.5, 12.0**-0.5
 OIL_LAW = 'leakage_temperature'     # how a machine's leakage goes with its oil
+
+
+def brought(values, ratio):
+    """
+    Return parameters of a leak that follows the oil as they are at another viscosity.
+
+    Parameters
+    ----------
+    values : dict of str to float
+        Of an effect with ``OIL_POWER``; the first is its size.
+    ratio : float
+        Of the viscosity to that of the tables.
+
+    """
+    power, reference = (values[entry.name] for entry in OIL_POWER)
+    size = next(iter(values))
+    thinner = (reference / ratio)**power
+    return {**values, size: values[size] * thinner, OIL_POWER[1].name: ratio}
 
 
 def pump_flow_loss(pump_leakage, viscosity_ratio, exponent):

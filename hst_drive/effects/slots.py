@@ -74,8 +74,8 @@ SLOTS: dict[str, Slot] = {
     'torque_reading': Slot('sensor', 'N.m', 'added to the torque reading'),
 }
 
-# Places where oil leaves a line.
-LEAKS = ('pump_flow_loss', 'motor_flow_loss')
+# Places where oil leaves a line, and the factor of the unit on what its table leaks there.
+LEAKS = {'pump_flow_loss': 'pump.leakage', 'motor_flow_loss': 'motor.leakage'}
 # Places that the open circuit has not.
 OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
                                'gear_twist', 'gear_angle', 'valve_command', 'valve_lag'})

@@ -95,10 +95,10 @@ def _sizes(rig: Rig, runs: Sequence[Run],
            effects: Mapping[str, Mapping[str, float]]) -> tuple[Sizes, float]:
     campaign = campaign_of(rig, runs).of_logs(all_to_fit=True)
     campaign.signed = True
-    known = {name: dict(values) for name, values in effects.items()
+    known = {name: campaign.with_oil(values) for name, values in effects.items()
              if not campaign.out_of_reach(name)}
     # Of what is adopted the form is known, and the size is fitted.
-    campaign.adopted = {**rig.effects, **known}
+    campaign.adopted = {**campaign.adopted, **known}
     oil = _free_oil(campaign, rig, known)
     fitted = fit(campaign, Model(known), iterations=6, refresh=True)
     found = spread(campaign, fitted, between_points=0.0)

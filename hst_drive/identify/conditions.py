@@ -6,8 +6,10 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from hst_drive.channels import CHANNELS
-from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
-from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.effects.base import OIL_POWER
+from hst_drive.effects.leakage_temperature import brought, OIL_LAW, POWER, POWER_SIGMA
+from hst_drive.effects.oil import GRADES, viscosity, viscosity_ratio
+from hst_drive.effects.slots import LEAKS
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
@@ -18,7 +20,6 @@ import numpy as np
 _TAILS = (5.0, 95.0)    # percent of the readings: what a log visits now and then is no condition
 # Beyond what was commissioned: a share of the highest value there, and K for temperatures.
 _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
-_GAPS = ('pump.leakage', 'motor.leakage')
 
 
 class Outside(NamedTuple):
@@ -52,21 +53,26 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
     leakages are known no better than the power with which they follow the viscosity: any, or one
-    that was learnt. With ``waves`` those of the pump's displacement are asked for.
+    that was learnt; so it is where a leak was adopted in other oil. With ``waves`` those of the
+    pump's displacement are asked for.
     """
     sigmas = {key: value for key, value in {
         **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
     if not rig.fingerprint:
         return Prior({}, sigmas, {})
-    usual, most = _thinner(rig, runs)
+    expected, most = _thinner(rig, runs)
     power, unsure = (0.0, rig.fingerprint.oil_law) if OIL_LAW in rig.effects else (
         POWER, POWER_SIGMA)
+    ratio = usual_viscosity(rig, runs)
+    furthest = max(map(abs, (most, *(
+        float(np.log(values[OIL_POWER[1].name] / ratio)) for values in rig.effects.values()
+        if ratio and values.get(OIL_POWER[0].name)))))
     # Both the power is not known, and one factor stands for all temperatures of these logs.
-    spread = np.hypot(unsure * most, power * (most - usual))
-    wider = {key: float(np.hypot(value, spread)) if key in _GAPS else value
-             for key, value in sigmas.items()}
-    shrunk = {key: sigmas[key] / wider[key] for key in _GAPS if key in sigmas}
-    return Prior({key: float(np.exp(power * usual)) for key in _GAPS if key in sigmas}, wider, {
+    spread = np.hypot(unsure * furthest, power * (most - expected))
+    gaps = [key for key in LEAKS.values() if key in sigmas]
+    wider = {**sigmas, **{key: float(np.hypot(sigmas[key], spread)) for key in gaps}}
+    shrunk = {key: sigmas[key] / wider[key] for key in gaps}
+    return Prior({key: float(np.exp(power * expected)) for key in gaps}, wider, {
         (one, other): value if one == other else (
             value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
         for (one, other), value in rig.fingerprint.correlation.items()})
@@ -84,6 +90,30 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
     thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))
     return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
+
+
+def adopted(rig: Rig, ratio: float) -> dict[str, dict[str, float]]:
+    """Return the effects of a rig, leaks as large as they are at a viscosity (``brought``)."""
+    return {name: brought(values, ratio) if ratio and values.get(OIL_POWER[0].name)
+            else dict(values) for name, values in rig.effects.items()}
+
+
+def of_the_oil(rig: Rig, ratio: float) -> dict[str, float]:
+    """
+    Return how leaks of a commissioned machine go with its oil: the parameters ``OIL_POWER``.
+
+    By the power that was learnt, or that of any gap; empty where the oil is not known.
+    """
+    power = rig.effects.get(OIL_LAW, {'exponent': POWER})['exponent']
+    return dict(zip((entry.name for entry in OIL_POWER), (power, ratio))) \
+        if rig.fingerprint and ratio and power else {}
+
+
+def usual_viscosity(rig: Rig, runs: Sequence[Run]) -> float:
+    """Return the oil's median viscosity in some logs over that of the tables; 0 if unknown."""
+    reach = _reach('oil_temperature', runs, (50.0,))
+    return float(viscosity_ratio(reach[0], rig.characterised_at, rig.line.oil_grade)) \
+        if reach and oil_is_known(rig, ()) else 0.0
 
 
 def faults_of(rig: Rig) -> dict[str, dict[str, float]]:

@@ -114,7 +114,7 @@ class PartCampaign(Campaign):
 
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
-        part = self.drive.changed(model.effects, model.scales)
+        part = self.drive.changed(self.switched(model), model.scales)
         part.zeros = read_beyond(self.rig, model)
         return part
 
@@ -168,7 +168,7 @@ class PartCampaign(Campaign):
             if not self._differ(self.errors(Model({name: values})),
                                 self.errors(Model({name: without}))):
                 values[key] = off[key]
-        return values
+        return self.with_oil(values)
 
     def _tells(self, effect: Effect, parameter: Parameter) -> bool:
         """Say whether such logs can tell a parameter: here also what a drive hardly shows."""

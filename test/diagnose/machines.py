@@ -3,6 +3,7 @@
 """One pump through its life: tables of operating points by a formula of its own, no model."""
 import math
 
+from hst_drive.effects.oil import viscosity
 from hst_drive.measure.run import Run
 import numpy as np
 
@@ -43,3 +44,15 @@ def day(seed, leak=0.0, *, factors=UNIT, celsius=40.0, still=False, rows=240):
         'pump_outlet_pressure': pressure, 'pump_speed': speed,
         'motor_inlet_flow': flow + FLOW_NOISE * random.standard_normal(rows),
         'oil_temperature': np.full(rows, 273.15 + celsius)}, f'day_{seed}.csv')
+
+
+def warming(seed, first, last, power, leak=0.0):
+    """Return a day on which the oil warms up, degC, and all leakages with it by a power."""
+    run = day(seed, leak)
+    kelvin = 273.15 + np.linspace(first, last, len(run))
+    thin = viscosity(313.15, 'ISO VG 46') / viscosity(kelvin, 'ISO VG 46')
+    table = columns(run['pump_outlet_pressure'], run['pump_speed'])[:, 1]
+    lost = UNIT[1] * table - leak * L_MIN * run['pump_outlet_pressure'] / 100e5
+    run.channels['motor_inlet_flow'] += lost * (thin**power - 1.0)
+    run.channels['oil_temperature'] = kelvin
+    return run

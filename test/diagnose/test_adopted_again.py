@@ -11,9 +11,10 @@ from hst_drive.diagnose.document import as_json
 from hst_drive.rig import parse_rig
 import pytest
 
-from .machines import day, L_MIN, MAKE
+from .machines import day, L_MIN, MAKE, UNIT, warming
 
 FIRST = 0.3     # L/min at 100 bar
+COLD = 46 / 75  # viscosity of ISO VG 46 at 40 degC over that at 30 degC, from charts of its makers
 PER_BAR = L_MIN / 100e5
 
 
@@ -64,3 +65,34 @@ def test_what_changed_is_told_and_adopted(leaky, now, change):
     assert past['change'] == change and past['from'] == content['effects']['pump_leakage']
     assert anew['provenance']['commissioned'] == content['provenance']['commissioned']
     assert diagnosed(anew, day(5, now)).verdict == 'none'
+
+
+@pytest.mark.parametrize('power', [0.25, 0.5, 0.75, 1.0])
+def test_a_leak_in_colder_oil_is_the_same_leak(leaky, power):
+    """All gaps let less through in thicker oil, by a power that nobody has told."""
+    found = diagnosed(leaky[0], cold_day(6, FIRST, power))
+    assert found.verdict == 'none' and not found.effects
+
+
+@pytest.mark.parametrize('now, change', [(FIRST, ''), (3 * FIRST, 'grown'), (0.0, 'gone')])
+def test_where_the_power_is_known_what_grew_is_told_as_in_the_oil_of_the_day(now, change):
+    power = 0.75
+    unit = commission(MAKE, 'make.yaml', [
+        warming(1, 34, 46, power), warming(2, 36, 48, power)]).rig
+    found = diagnosed(unit, warming(3, 39, 41, power, FIRST))
+    content = adopt(unit, written(found), 'first.json', 'unit.yaml')
+    result = diagnosed(content, warming(4, 29, 31, power, now))
+    assert [entry.change for entry in result.effects] == [change] * bool(change)
+    for entry in result.effects:
+        value = entry.parameters['conductance']
+        assert value.low <= now * COLD**power * PER_BAR <= value.high
+        effects = content['effects']
+        assert entry.adopted['conductance'] == pytest.approx(
+            effects['pump_leakage']['conductance']
+            * COLD**effects['leakage_temperature']['exponent'], rel=0.02)
+
+
+def cold_day(seed, leak, power):
+    """Return a log in oil of 30 degC, of a leak that lets so much through in oil of 40 degC."""
+    thinner = COLD**power
+    return day(seed, leak * thinner, factors=(UNIT[0], UNIT[1] * thinner), celsius=30.0)

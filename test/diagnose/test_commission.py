@@ -21,7 +21,7 @@ from hst_drive.rig import parse_rig
 import numpy as np
 import pytest
 
-from .machines import columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT
+from .machines import columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT, warming
 from ..identify.test_fit import Linear
 
 ROUGH = {**MAKE, 'tolerances_1_sigma_relative': {
@@ -185,19 +185,11 @@ def test_one_factor_stood_for_all_oil_that_was_visited(unit, last, beyond):
 
 @pytest.mark.parametrize('power', [0.0, 0.8])
 def test_how_leakage_goes_with_oil_that_warms_up_is_learnt_whether_it_stands_out_or_not(power):
-    def warming(seed, *celsius):
-        run = day(seed)
-        kelvin = 273.15 + np.linspace(*celsius, 240)
-        thin = viscosity(313.15, 'ISO VG 46') / viscosity(kelvin, 'ISO VG 46')
-        table = columns(run['pump_outlet_pressure'], run['pump_speed'])[:, 1]
-        run.channels['motor_inlet_flow'] += UNIT[1] * table * (thin**power - 1.0)
-        run.channels['oil_temperature'] = kelvin
-        return run
-
-    unit = commission(MAKE, 'make.yaml', [warming(1, 34, 46), warming(2, 36, 48)]).rig
+    days = [warming(1, 34, 46, power), warming(2, 36, 48, power)]
+    unit = commission(MAKE, 'make.yaml', days).rig
     sigma = unit['commissioned']['leakage_temperature_exponent_sigma']
     assert abs(unit['effects'][OIL_LAW]['exponent'] - power) < 2.0 * sigma < 0.3
-    assert diagnose(parse_rig(unit, 'unit'), [warming(3, 45, 57)]).verdict == 'none'
+    assert diagnose(parse_rig(unit, 'unit'), [warming(3, 45, 57, power)]).verdict == 'none'
 
 
 @pytest.mark.needs_numba

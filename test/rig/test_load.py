@@ -269,7 +269,8 @@ def test_adopted_effects_and_calibration_reach_the_model():
     rig = parse_rig(content)
     # A parameter that the rig file leaves out has its usual value.
     assert rig.effects == {'motor_leakage': {
-        'conductance': pytest.approx(1e-7 / 60e3), 'exponent': 1.0}}
+        'conductance': pytest.approx(1e-7 / 60e3), 'exponent': 1.0, 'oil_power': 0.0,
+        'oil_viscosity_ratio': 1.0}}
     drive = Drive(rig)
     assert drive.effects == rig.effects
     assert drive.parameters[6] == pytest.approx(1.1 * 0.35)

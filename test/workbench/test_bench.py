@@ -26,7 +26,8 @@ import pytest
 from ..measure.synthetic import record
 
 pytestmark = pytest.mark.needs_numba
-LEAK = {'motor_leakage': {'conductance': 1.2e-12, 'exponent': 1.0}}
+LEAK = {'motor_leakage': {'conductance': 1.2e-12, 'exponent': 1.0, 'oil_power': 0.0,
+                          'oil_viscosity_ratio': 1.0}}
 
 
 @pytest.fixture(scope='module')
@@ -228,7 +229,7 @@ def test_the_catalogue_is_whole():
     assert of_others < set(catalogue())
     assert set(shown) <= set(catalogue()) - of_others
     assert {'back_pressure', 'prv_cracking', 'shaft_compliance'} < set(shown)
-    leak, _ = shown['motor_leakage']['parameters']
+    leak, *_ = shown['motor_leakage']['parameters']
     assert leak['unit'] == 'L/min/bar' and np.isclose(leak['high'] * leak['per'], 0.18)
 
 
