@@ -8,6 +8,7 @@ from typing import Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
+from hst_drive.effects.base import OIL_POWER
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
 from hst_drive.identify.search import Candidate, Search
@@ -99,8 +100,9 @@ def _plainness(search: Search, names: Sequence[str]) -> tuple[int, int, int]:
     Return how many effects the machine is not known to have, are special, and all parameters.
 
     Special ones need a drive that turns both ways to show, or are one form of another effect.
+    Parameters that tell the oil count for no effect: the machine's oil sets them.
     """
     effects = [catalogue()[name] for name in names]
     return (len({*names} - {*search.campaign.faults}),
             sum(effect.both_ways or bool(effect.form_of) for effect in effects),
-            sum(len(effect.parameters) for effect in effects))
+            sum(entry not in OIL_POWER for effect in effects for entry in effect.parameters))

@@ -59,7 +59,8 @@ def text(result: Diagnosis, short: bool = False) -> str:
 def _effects(result: Diagnosis) -> str:
     rows = []
     for entry in result.effects:
-        parameters = catalogue()[entry.id].parameters
+        parameters = [parameter for parameter in catalogue()[entry.id].parameters
+                      if parameter.name in entry.parameters]
         for place, parameter in enumerate(parameters):
             value = entry.parameters[parameter.name]
             (middle, unit), (low, _), (high, _) = (size(each, value.unit) for each in value[:3])
