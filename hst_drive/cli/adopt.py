@@ -65,7 +65,8 @@ def run(args: argparse.Namespace) -> int:
             told = ['that is, the unit alone at the limits of its tolerances'
                     ] if UNIT_ALONE in rivals else []
             if {*rivals} - {UNIT_ALONE}:
-                told.append("'hst-drive design' writes a test that tells")
+                told.append((diagnosis.get('next_test') or {}).get('what')
+                            or "'hst-drive design' writes a test that tells")
             tell(f"{args.output}: {entry['id']} is one of several that fit these logs; so may "
                  f"{' or '.join(rivals)}: {'; '.join(told)}")
     return 0

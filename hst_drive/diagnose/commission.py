@@ -21,7 +21,7 @@ from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.conditions import conditions, oil_is_known, thinning
+from hst_drive.identify.conditions import conditions, thinning
 from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.linearised import squared_slopes
@@ -215,8 +215,8 @@ def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
     """
     made, within = _of_make(rig, source)
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
-    if (OIL_LAW in made.effects and not sure or not oil_is_known(made, runs)
-            or campaign.out_of_reach(OIL_LAW)):
+    told = all('oil_temperature' in run for run in runs) and not campaign.out_of_reach(OIL_LAW)
+    if OIL_LAW in made.effects and not sure or not told:
         return rig, None
     start = Model({OIL_LAW: {'exponent': POWER}})
     found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)

@@ -15,8 +15,8 @@ from functools import lru_cache
 import numpy as np
 
 _LOG_40_DEGC = np.log10(313.15)
-# Mineral oil, where the rig file of a part tells nothing of its own: Pa, kg/m^3.
-BULK_MODULUS, DENSITY = 1.4e9, 870.0
+# Mineral oil, where the rig file of a part tells nothing of its own: Pa, kg/m^3, grade.
+BULK_MODULUS, DENSITY, GRADE = 1.4e9, 870.0, 'ISO VG 46'
 # Grade: mm^2/s at 40 degC, mm^2/s at 100 degC; the same stand in config/oil_grades.yaml.
 GRADES: dict[str, tuple[float, float]] = {
     'ISO VG 10': (10.0, 2.6), 'ISO VG 15': (15.0, 3.3), 'ISO VG 22': (22.0, 4.3),
@@ -66,7 +66,7 @@ def walther(temperature, at_40_degc: float, at_100_degc: float):
 
 def viscosity_ratio(temperature, reference: float, grade: str):
     """
-    Return the viscosity over that at a reference temperature; 1 of an oil without a grade.
+    Return the viscosity over that at a reference temperature.
 
     Parameters
     ----------
@@ -75,11 +75,9 @@ def viscosity_ratio(temperature, reference: float, grade: str):
     reference : float
         K.
     grade : str
-        Key of ``GRADES``, or empty.
+        Key of ``GRADES``.
 
     """
-    if not grade:
-        return np.ones(np.shape(temperature))
     now = _at if np.ndim(temperature) == 0 else viscosity
     return now(temperature, grade) / _at(reference, grade)
 

@@ -97,7 +97,7 @@ def _array(kind: str, name: str, values: Sequence[float] | np.ndarray) -> str:
 
 def _viscosity(drive: Drive) -> str:
     """Return Walther's equation (ASTM D341), which is a line in these coordinates, as C."""
-    grade = drive.rig.line.oil_grade
+    grade = drive.rig.oil_grade
     at = np.array([313.15, 373.15])
     line = np.log10(np.log10(viscosity(at, grade) * 1e6 + 0.7))
     slope = (line[1] - line[0]) / (np.log10(at[1]) - np.log10(at[0]))

@@ -14,7 +14,7 @@ from typing import Collection, Iterable, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
-from hst_drive.effects.oil import GRADES, viscosity
+from hst_drive.effects.oil import viscosity
 from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import faults_of
@@ -73,8 +73,7 @@ def track(rig: Rig, runs: Sequence[Run],
     """
     temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
     warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
-    grade = rig.line.oil_grade if rig.line else ''
-    thick = viscosity(warm, grade) if grade in GRADES and np.isfinite(warm) else None
+    thick = viscosity(warm, rig.oil_grade) if np.isfinite(warm) else None
     law = (rig.effects[OIL_LAW]['exponent'], rig.fingerprint.oil_law) if (
         OIL_LAW in rig.effects and rig.fingerprint and rig.fingerprint.oil_law) else None
     told_by_make = OIL_LAW in rig.effects and not law

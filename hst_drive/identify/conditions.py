@@ -8,7 +8,6 @@ from typing import NamedTuple, Sequence
 from hst_drive.channels import CHANNELS
 from hst_drive.effects.base import OIL_POWER
 from hst_drive.effects.leakage_temperature import brought, OIL_LAW, POWER, POWER_SIGMA
-from hst_drive.effects.oil import GRADES, viscosity, viscosity_ratio
 from hst_drive.effects.slots import LEAKS
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
@@ -81,14 +80,12 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
 def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     """Return by what factor (log) oil is thinner than when learnt: usually, and at most."""
     reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
-    if ('oil_temperature' not in rig.fingerprint.conditions or reach is None
-            or not oil_is_known(rig, ())):
+    if 'oil_temperature' not in rig.fingerprint.conditions or reach is None:
         return 0.0, 0.0
-    grade = rig.line.oil_grade
     there = rig.fingerprint.conditions['oil_temperature']
     # One factor stood for all oil there, too: only what lies beyond is new.
     learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
-    thinner = np.log(viscosity(learnt, grade) / viscosity(np.array(reach), grade))
+    thinner = np.log(rig.viscosity_ratio(learnt) / rig.viscosity_ratio(np.array(reach)))
     return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
 
 
@@ -112,8 +109,7 @@ def of_the_oil(rig: Rig, ratio: float) -> dict[str, float]:
 def usual_viscosity(rig: Rig, runs: Sequence[Run]) -> float:
     """Return the oil's median viscosity in some logs over that of the tables; 0 if unknown."""
     reach = _reach('oil_temperature', runs, (50.0,))
-    return float(viscosity_ratio(reach[0], rig.characterised_at, rig.line.oil_grade)) \
-        if reach and oil_is_known(rig, ()) else 0.0
+    return float(rig.viscosity_ratio(reach[0])) if reach else 0.0
 
 
 def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
@@ -122,15 +118,9 @@ def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
             if name != OIL_LAW or not rig.fingerprint}
 
 
-def oil_is_known(rig: Rig, runs: Sequence[Run]) -> bool:
-    """Say whether the oil's viscosity is known in some logs."""
-    return rig.line is not None and rig.line.oil_grade in GRADES and all(
-        'oil_temperature' in run for run in runs)
-
-
 def thinning(rig: Rig, runs: Sequence[Run]) -> float:
     """Return by what factor (log) the oil of some logs is thinner at its warmest."""
-    cold, warm = viscosity(np.array(_reach('oil_temperature', runs)), rig.line.oil_grade)
+    cold, warm = rig.viscosity_ratio(np.array(_reach('oil_temperature', runs)))
     return float(np.log(cold / warm))
 
 

@@ -47,7 +47,7 @@ class CircuitReplay(PartReplay):
         self._ratio: np.ndarray | None = None
         super().__init__(run, model)
         if 'oil_temperature' in self._channels:
-            self._ratio = model.viscosity_ratio(self._channels['oil_temperature'])
+            self._ratio = model.rig.viscosity_ratio(self._channels['oil_temperature'])
         between = Between.rows(model.rig, run.sample_time)
         course = self._fill_in(model, between) if between.steps > 1 else {}
         self.extra_std = {name: np.hypot(std, course.get(name, 0.0))

@@ -100,7 +100,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     for name in ('line_a_pressure', 'motor_speed'):
         if name in true:
             true[name] = true[name] - _reading(model, channels, name, true[name], behind)
-    ratio = true.setdefault('viscosity_ratio', model.viscosity_ratio(true.get(
+    ratio = true.setdefault('viscosity_ratio', model.rig.viscosity_ratio(true.get(
         'oil_temperature', np.full(len(time), model.rig.characterised_at))))
     states = [entry.name for entry in model.circuit.states]
 

@@ -103,7 +103,7 @@ class Replay(RecordedLoad):
         width = max(1.0 / run.sample_time, 1.0)
         temperature = gaussian_filter1d(filled(temperature), width)
         self.inputs |= {'oil_temperature': temperature,
-                        'viscosity_ratio': drive.viscosity_ratio(temperature)}
+                        'viscosity_ratio': drive.rig.viscosity_ratio(temperature)}
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from typing import Iterable, Mapping
 
-from hst_drive.effects.oil import viscosity_ratio
 from hst_drive.errors import InputError
 from hst_drive.model.circuit_code import code_of
 from hst_drive.model.circuits import circuit_of
@@ -94,7 +93,7 @@ class CircuitModel(PartModel):
         if circuit.complete:
             known.update(circuit.complete(self.rig, {**channels, **told}))
         if 'viscosity_ratio' not in known:
-            known['viscosity_ratio'] = self.viscosity_ratio(known['oil_temperature'])
+            known['viscosity_ratio'] = self.rig.viscosity_ratio(known['oil_temperature'])
         work = np.zeros((25, max(len(circuit.states), circuit.held, len(circuit.inputs),
                                  len(circuit.quantities))))
         work[-1, :len(circuit.states)] = [entry.least for entry in circuit.states]
@@ -138,11 +137,6 @@ class CircuitModel(PartModel):
         """Return the state of a drive at rest."""
         return np.array([self.parameter(entry.start) if entry.start else 0.0
                          for entry in self.circuit.states])
-
-    def viscosity_ratio(self, temperature: np.ndarray | float) -> np.ndarray:
-        """Return the oil's viscosity over that at which the tables were measured."""
-        return viscosity_ratio(temperature, self.rig.characterised_at,
-                               self.rig.line.oil_grade if self.rig.line else '')
 
 
 def part_model(rig: Rig) -> PartModel:

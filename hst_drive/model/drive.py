@@ -9,7 +9,6 @@ from typing import Any, Mapping
 
 from hst_drive.effects import catalogue, effect_of, flexible, left_out
 from hst_drive.effects.base import arguments
-from hst_drive.effects.oil import GRADES, viscosity_ratio
 from hst_drive.errors import InputError
 from hst_drive.model.compose import kernel, OUTPUTS, STATES
 from hst_drive.model.parameters import baseline_parameters, baseline_tables, INDEX, SCALED
@@ -81,9 +80,6 @@ class Drive:
         self.tables = baseline_tables(rig)
         for name, values in {**rig.effects, **(effects or {})}.items():
             self.switch_on(name, values)
-        if rig.line.oil_grade not in GRADES:
-            raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
-                             f'{", ".join(GRADES)}')
 
     def switch_on(self, name: str, values: Mapping[str, float] | None = None) -> None:
         """Add an effect, or change its parameters (SI)."""
@@ -144,11 +140,6 @@ class Drive:
         """Multiply what a unit may differ in: ``{'motor.leakage': 1.05}`` and its kind."""
         for key, factor in factors.items():
             self.parameters[INDEX[SCALED[key]]] *= factor
-
-    def viscosity_ratio(self, oil_temperature):
-        """Return the oil's viscosity over that at which the tables were measured."""
-        return viscosity_ratio(oil_temperature, self.rig.characterised_at,
-                               self.rig.line.oil_grade)
 
     def load_torque(self, time: np.ndarray, pprv_command: np.ndarray, motor_speed: np.ndarray,
                     oil_temperature: np.ndarray,
@@ -237,7 +228,7 @@ class Drive:
         known = {'oil_temperature': np.full(n, self.rig.characterised_at),
                  'load_disturbance': np.zeros(n), 'motor_angle': np.full(n, np.nan), **inputs}
         if 'viscosity_ratio' not in known:
-            known['viscosity_ratio'] = self.viscosity_ratio(known['oil_temperature'])
+            known['viscosity_ratio'] = self.rig.viscosity_ratio(known['oil_temperature'])
         others = [np.ascontiguousarray(known[name], dtype=float) for name in (
             'oil_temperature', 'viscosity_ratio', 'load_disturbance', 'motor_angle')]
         if state is None:
@@ -276,6 +267,6 @@ class Drive:
             oil_temperature = self.rig.characterised_at
         inputs = {'pump_command': pump_command, 'pprv_command': pprv_command,
                   'oil_temperature': oil_temperature, 'load_disturbance': disturbance,
-                  'viscosity_ratio': self.viscosity_ratio(oil_temperature)}
+                  'viscosity_ratio': self.rig.viscosity_ratio(oil_temperature)}
         return self.simulate(np.array([0.0, duration]),
                              {name: np.full(2, value) for name, value in inputs.items()}, state)

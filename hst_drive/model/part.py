@@ -15,9 +15,8 @@ import math
 from typing import Any, Mapping
 
 from hst_drive.effects import effect_of, READABLE
-from hst_drive.effects.oil import BULK_MODULUS, DENSITY, GRADES, viscosity_ratio
+from hst_drive.effects.oil import BULK_MODULUS, DENSITY
 from hst_drive.effects.slots import OF_OTHER_CIRCUITS
-from hst_drive.errors import InputError
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
@@ -48,7 +47,7 @@ class PartModel:
     Raises
     ------
     InputError
-        If an effect, a parameter or the oil's grade is not known.
+        If an effect or a parameter is not known.
 
     """
 
@@ -57,9 +56,6 @@ class PartModel:
         self.rig, self.zeros = rig, rig.zeros
         chosen = self.changed(effects or {}, factors or {})
         self.effects, self.factors = chosen.effects, chosen.factors
-        if rig.line is not None and rig.line.oil_grade not in (*GRADES, ''):
-            raise InputError(f"{rig.source}: 'line.oil_grade' is {rig.line.oil_grade!r}; known: "
-                             f'{", ".join(GRADES)}')
 
     def with_effect(self, name: str, values: Mapping[str, float]) -> PartModel:
         """Return a part with one effect more, or with other parameters (SI) for it."""
@@ -112,9 +108,8 @@ class PartModel:
         found.update(line_volume=oil.volume or math.inf,
                      bulk_modulus=(oil.bulk_modulus or BULK_MODULUS)
                      * self.factor('line.bulk_modulus'), oil_density=oil.oil_density or DENSITY)
-        if 'oil_temperature' in known and oil.oil_grade and 'viscosity_ratio' not in known:
-            found['viscosity_ratio'] = viscosity_ratio(
-                known['oil_temperature'], rig.characterised_at, oil.oil_grade)
+        if 'oil_temperature' in known and 'viscosity_ratio' not in known:
+            found['viscosity_ratio'] = rig.viscosity_ratio(known['oil_temperature'])
         if rig.relief_valve is not None:
             found['relief_pressure'] = rig.relief_valve.set_pressure
             found['rated_pressure'] = rig.relief_valve.set_pressure

@@ -84,7 +84,7 @@ def _ratio(value: float | None) -> str:
 
 
 def _calibration(moved) -> str:
-    return table(['quantity', 'factor', 'tolerances', ''],
+    return table(['quantity', 'factor', 'tolerances', 'remark'],
                  [[entry.quantity, f'{entry.factor:.4f}', f'{entry.sigmas:+.1f}',
                    'at its limit' if entry.at_limit else ''] for entry in moved])
 

@@ -189,6 +189,9 @@ def _section(name: str, content, source: str, part: bool):
         else:
             if not isinstance(found, str):
                 raise InputError(f"{source}: '{path}' is {_shown(found)}, expected a text")
+            if found not in entry.known:
+                raise InputError(f"{source}: '{path}' is {_shown(found)}; known: "
+                                 f'{", ".join(entry.known)}')
             values[entry.attribute] = found
     if name == 'relief_valve':
         values.setdefault('reference_pressure', values['set_pressure'])

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from hst_drive.effects.oil import GRADE, viscosity_ratio
 from hst_drive.errors import InputError
 from hst_drive.rig.fingerprint import Fingerprint
 from hst_drive.rig.tables import Curve, ideal, nothing, Surface
@@ -71,13 +72,13 @@ class Line:
     """
     The oil between pump and hydromotor: Pa, m^3, kg/m^3 and the oil's ISO grade.
 
-    ``given`` as for ``Pump``; what a file of a part leaves out is 0 or ''.
+    ``given`` as for ``Pump``; what a file of a part leaves out is 0, its oil a usual one.
     """
 
     bulk_modulus: float = 0.0
     volume: float = 0.0
     oil_density: float = 0.0
-    oil_grade: str = ''
+    oil_grade: str = GRADE
     given: frozenset[str] = frozenset()
 
 
@@ -244,6 +245,15 @@ class Rig:
         """What each sensor of this machine reads beyond the truth throughout, SI."""
         known = self.fingerprint.zeros if self.fingerprint else {}
         return {name: value for name, (value, _) in known.items()}
+
+    @property
+    def oil_grade(self) -> str:
+        """Viscosity grade of the oil; a usual one where the file of a part tells none."""
+        return (self.line or Line()).oil_grade
+
+    def viscosity_ratio(self, temperature: np.ndarray | float) -> np.ndarray | float:
+        """Return the oil's viscosity (K) over that at which the tables were measured."""
+        return viscosity_ratio(temperature, self.characterised_at, self.oil_grade)
 
     @property
     def whole(self) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from hst_drive.channels import CHANNELS
+from hst_drive.effects.oil import GRADES
 
 
 class Number(NamedTuple):
@@ -55,9 +56,10 @@ class Limits(NamedTuple):
 
 
 class Word(NamedTuple):
-    """A text."""
+    """A text, one of those known."""
 
     attribute: str
+    known: tuple[str, ...]
 
 
 _PRESSURE = ('pressure_bar', 'bar')
@@ -99,7 +101,7 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
         'bulk_modulus_Pa': Number('bulk_modulus', 'Pa', 1e7, 5e9),
         'volume_m3': Number('volume', 'm^3', 1e-7, 10),
         'oil_density_kg_m3': Number('oil_density', 'kg/m^3', 500, 2000),
-        'oil_grade': Word('oil_grade'),
+        'oil_grade': Word('oil_grade', tuple(GRADES)),
     },
     'relief_valve': {
         'set_pressure_bar': Number('set_pressure', 'bar', 1, 1500),
@@ -152,7 +154,7 @@ SECTIONS: dict[str, dict[str, Number | Table | Limits | Word]] = {
 
 # What the file of a part (a section of the drive is missing) may leave out: no leakage table
 # means no leakage, no efficiency table an efficiency of 1, no displacement curve a pump of fixed
-# displacement, no volume of the line one that takes no oil, no bulk modulus and density those of
+# displacement, no volume of the line one that takes no oil, no numbers of the oil those of
 # a mineral oil; the balances that need one of the other numbers are then not judged.
 PART: dict[str, tuple[str, ...]] = {
     'pump': ('shaft_speed_rpm', 'max_displacement_cc_rev', 'displacement_vs_command',

@@ -74,6 +74,12 @@ def test_a_leak_in_colder_oil_is_the_same_leak(leaky, power):
     assert found.verdict == 'none' and not found.effects
 
 
+def test_a_machine_whose_file_names_no_oil_has_a_mineral_oil():
+    make = {key: value for key, value in MAKE.items() if key != 'line'}
+    unit = commission(make, 'make.yaml', [day(1), day(2)]).rig
+    assert diagnosed(unit, cold_day(3, 0.0, 0.5)).verdict == 'none'
+
+
 @pytest.mark.parametrize('now, change', [(FIRST, ''), (3 * FIRST, 'grown'), (0.0, 'gone')])
 def test_where_the_power_is_known_what_grew_is_told_as_in_the_oil_of_the_day(now, change):
     power = 0.75

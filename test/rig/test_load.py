@@ -222,8 +222,10 @@ def test_a_part_may_tell_of_its_oil_alone():
     bench = {'motor': GOOD['motor'], 'line': {'oil_grade': 'ISO VG 46'}}
     known = PartModel(parse_rig(bench)).complete({'oil_temperature': 303.15})
     assert known['viscosity_ratio'] > 2 and 1.2e9 < known['bulk_modulus'] < 1.7e9
-    pump = PartModel(parse_rig({'pump': GOOD['pump'], 'line': {}}))
-    assert pump.capacity(pump.complete({})) == 0
+    for unsaid in ({'line': {}}, {}):
+        pump = PartModel(parse_rig({'pump': GOOD['pump'], **unsaid}))
+        assert pump.capacity(pump.complete({})) == 0
+        assert pump.complete({'oil_temperature': 303.15})['viscosity_ratio'] > 2
     whole = changed('line', {'oil_grade': 'ISO VG 46'})
     with pytest.raises(InputError, match="'line.bulk_modulus_Pa' is missing"):
         parse_rig(whole)
