@@ -92,8 +92,10 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
     moved = _factors(diagnosis, source)
     if formula:
         moved = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
-    for key, factor in moved.items():
-        factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
+    if calibration or SECTION not in rig:
+        # Those of a commissioned machine are its own; they follow the oil of the day already.
+        for key, factor in moved.items():
+            factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
     adopted['calibration'] = factors
     past = list((rig.get('provenance') or {}).get('adopted', []))
     adopted['provenance'] = {**(rig.get('provenance') or {}), 'adopted': [

@@ -74,6 +74,15 @@ def test_a_leak_in_colder_oil_is_the_same_leak(leaky, power):
     assert found.verdict == 'none' and not found.effects
 
 
+def test_a_machine_stays_as_it_was_commissioned_when_a_leak_grows_in_cold_oil():
+    """What the oil of the day moved is no number of the machine: it would add up."""
+    unit = healthy = commission(MAKE, 'make.yaml', [day(1), day(2)]).rig
+    for seed, leak in ((3, 4 * FIRST), (4, 8 * FIRST)):
+        unit = adopt(unit, written(diagnosed(unit, cold_day(seed, leak, 0.5))), 'd', 'unit.yaml')
+    assert unit['calibration'] == healthy['calibration']
+    assert [entry.change for entry in diagnosed(unit, day(5)).effects] == ['gone']
+
+
 def test_a_machine_whose_file_names_no_oil_has_a_mineral_oil():
     make = {key: value for key, value in MAKE.items() if key != 'line'}
     unit = commission(make, 'make.yaml', [day(1), day(2)]).rig
