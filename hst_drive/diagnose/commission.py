@@ -127,7 +127,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     law: OilLaw | None = None
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
-        found = diagnose(within, [run], progress=progress)
+        found = first = diagnose(within, [run], progress=progress)
         if found.verdict != 'none' and not law:
             # How its leakage goes with its oil is no fault of a machine.
             rig, law = _with_oil_law(rig, source, runs, sure=_of_oil(found))
@@ -141,7 +141,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         if found.verdict != 'none' and not (law and _of_oil(found)):
             others = ' and the other logs together' if len(runs) > 1 else ''
             raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
-                             f'{found.sentence} Mend or adopt that first, or leave the log out')
+                             f'{(first if law else found).sentence} Mend or adopt that first, or '
+                             'leave the log out')
     if not law:
         rig, law = _with_oil_law(rig, source, runs)
         made, within = _of_make(rig, source)

@@ -84,7 +84,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
-    limited = [entry.quantity for entry in _calibration(campaign, best.fit) if entry.at_limit]
+    limited = [*(entry.quantity for entry in _calibration(campaign, best.fit) if entry.at_limit),
+               *(f'the zero of {entry.channel}' for entry in _zeros(campaign, best.fit)
+                 if at_limit(campaign, entry.channel, entry.value))]
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
     order = _order(search, best)

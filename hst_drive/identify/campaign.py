@@ -60,11 +60,12 @@ class Campaign:
     searched: tuple[str, ...] = ('always',)
     by_balance = False      # True: no simulation, each balance by itself, both sides smoothed
     signed = False  # True: a leak may be negative, where it is what has changed in a machine
+    open_forms = False      # True: an adopted leak may grow in another form than it was adopted in
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         # In a closed circuit a share of the flow is its sheet's error instead.
         logs = (*runs, *holdout)
-        self.expected, self.tolerances, self.ties = prior(
+        self.expected, self.tolerances, self.ties, self.torque_off = prior(
             rig, logs, self.by_balance and rig.circuit == OPEN)
         ratio = usual_viscosity(rig, logs)
         self.rig = replace(rig, effects=adopted(rig, ratio), calibration={**rig.calibration, **{
@@ -111,7 +112,8 @@ class Campaign:
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
         return [name for name, effect in catalogue().items()
-                if name in self.adopted or effect.searched in self.searched
+                if name in self.faults or effect.searched in self.searched
+                and name not in self.adopted
                 and not (effect.form_of and self.fits(*effect.form_of))]
 
     def out_of_reach(self, name: str) -> str:

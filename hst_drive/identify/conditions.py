@@ -19,6 +19,9 @@ import numpy as np
 _TAILS = (5.0, 95.0)    # percent of the readings: what a log visits now and then is no condition
 # Beyond what was commissioned: a share of the highest value there, and K for temperatures.
 _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
+# What a hydromotor loses of its torque follows the viscosity by a power whose one sigma this is:
+# dry friction by 0, viscous drag by 1, and on sheets that is a tenth of all.
+_TORQUE_POWER = 0.1
 
 
 class Outside(NamedTuple):
@@ -39,11 +42,16 @@ class Outside(NamedTuple):
 
 
 class Prior(NamedTuple):
-    """Factors of the unit: expected ones, how far off (logarithm, one sigma), and their ties."""
+    """
+    Factors of the unit: expected ones, how far off (logarithm, one sigma), and their ties.
+
+    ``torque`` is the share of its torque by which other oil may brake the hydromotor, one sigma.
+    """
 
     expected: dict[str, float]
     sigmas: dict[str, float]
     ties: dict[tuple[str, str], float]
+    torque: float = 0.0
 
 
 def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
@@ -52,8 +60,8 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
     leakages are known no better than the power with which they follow the viscosity: any, or one
-    that was learnt; so it is where a leak was adopted in other oil. With ``waves`` those of the
-    pump's displacement are asked for.
+    that was learnt; so it is where a leak was adopted in other oil. Its torque losses are less
+    well known, too. With ``waves`` those of the pump's displacement are asked for.
     """
     sigmas = {key: value for key, value in {
         **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
@@ -68,13 +76,27 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
         if ratio and values.get(OIL_POWER[0].name)))))
     # Both the power is not known, and one factor stands for all temperatures of these logs.
     spread = np.hypot(unsure * furthest, power * (most - expected))
-    gaps = [key for key in LEAKS.values() if key in sigmas]
-    wider = {**sigmas, **{key: float(np.hypot(sigmas[key], spread)) for key in gaps}}
-    shrunk = {key: sigmas[key] / wider[key] for key in gaps}
-    return Prior({key: float(np.exp(power * expected)) for key in gaps}, wider, {
+    torque = {key: _TORQUE_POWER * abs(most) * lost for key, lost in _torque_lost(rig).items()}
+    spreads = {key: value for key, value in {
+        **dict.fromkeys(LEAKS.values(), spread), **torque}.items() if key in sigmas}
+    wider = {**sigmas, **{key: float(np.hypot(sigmas[key], more))
+                          for key, more in spreads.items()}}
+    shrunk = {key: sigmas[key] / wider[key] for key in spreads}
+    return Prior({key: float(np.exp(power * expected)) for key in LEAKS.values()
+                  if key in sigmas}, wider, {
         (one, other): value if one == other else (
             value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
-        for (one, other), value in rig.fingerprint.correlation.items()})
+        for (one, other), value in rig.fingerprint.correlation.items()},
+        torque.get('motor.mechanical_efficiency', 0.0))
+
+
+def _torque_lost(rig: Rig) -> dict[str, float]:
+    """Return the share of its torque that each efficiency of a sheet usually takes away."""
+    sheets = {'motor.mechanical_efficiency': rig.motor and rig.motor.mechanical_efficiency.z,
+              'loading.pump_mechanical_efficiency':
+              rig.loading and rig.loading.pump_mechanical_efficiency.y}
+    return {key: float(1.0 / np.median(values) - 1.0) for key, values in sheets.items()
+            if values is not None}
 
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:

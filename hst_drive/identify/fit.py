@@ -211,10 +211,17 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
 
 
 def for_sizes(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
-    """Return the campaign for sizes (``Campaign.for_sizes``), and the fit in it."""
+    """
+    Return the campaign for sizes (``Campaign.for_sizes``), and the fit in it.
+
+    The size of an adopted effect is one of the form in which it was adopted.
+    """
     own = campaign.for_sizes(fitted.errors)
     if own is campaign:
         return campaign, fitted
+    fitted = fitted._replace(model=replace(fitted.model, effects={name: {
+        key: value if own.fits(name, key) or name not in own.adopted else own.off(name)[key]
+        for key, value in values.items()} for name, values in fitted.model.effects.items()}))
     kept = {*Unknowns(own, fitted.model).names} - {*fitted.names}
     found = fit(own, fitted.model, kept=kept, refresh=True)
     # A shape that runs away when all rows count stays as it was found.
@@ -258,13 +265,14 @@ def _step(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: f
 
 
 def at_limit(campaign: Campaign, key: str, value: float) -> bool:
-    """Say whether a factor of the unit (natural logarithm) sits at the limit of its tolerance."""
-    return abs(value) > (SIGMAS - 0.01) * campaign.tolerances[key]
+    """Say whether a factor (natural logarithm) or zero of the unit is as far off as it may be."""
+    return abs(value) > (SIGMAS - 0.01) * {**campaign.tolerances, **campaign.zeros}[key]
 
 
 def limited(campaign: Campaign, fitted: Fit) -> set[str]:
-    """Return the quantities of the unit that are as far off as their tolerances let them."""
-    return {key for key, value in fitted.model.factors.items() if at_limit(campaign, key, value)}
+    """Return the quantities, and channels with a zero, that are as far off as they may be."""
+    return {key for key, value in {**fitted.model.factors, **fitted.model.zeros}.items()
+            if at_limit(campaign, key, value)}
 
 
 def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:

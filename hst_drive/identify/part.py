@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import Sequence
 
 from hst_drive.channels import CHANNELS, TORQUES
-from hst_drive.effects import catalogue, Effect, Parameter
-from hst_drive.effects.slots import DRILLING_SPEED
+from hst_drive.effects import catalogue, Effect, effect_of, Parameter
+from hst_drive.effects.slots import DRILLING_SPEED, LEAKS
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
@@ -51,6 +51,7 @@ class PartCampaign(Campaign):
 
     searched = ('always', 'parts')
     by_balance = True
+    open_forms = True
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         if rig.circuit != OPEN:
@@ -108,7 +109,7 @@ class PartCampaign(Campaign):
         the rows with the slowest signals would tell all. Logs named to judge on stay out.
         """
         left = self.ratios(errors, held_out=True)
-        return self.of_logs(all_to_fit=not self._named)._changed(floors=[
+        return self.of_logs(all_to_fit=not self._named)._changed(open_forms=False, floors=[
             {name: floor * max(left.get(name, 1.0), 1.0) for name, floor in floors.items()}
             for floors in self.floors])
 
@@ -169,6 +170,14 @@ class PartCampaign(Campaign):
                                 self.errors(Model({name: without}))):
                 values[key] = off[key]
         return self.with_oil(values)
+
+    def fits(self, name: str, key: str) -> bool:
+        """Say whether a parameter is fitted; here also the form, not told, of what may grow."""
+        effect = effect_of(name)
+        parameter = effect.parameter(key)
+        grows = name in self.adopted and effect.slot in LEAKS and bool(parameter.usual)
+        return grows and self.open_forms and not self._tells(effect, parameter) or super().fits(
+            name, key)
 
     def _tells(self, effect: Effect, parameter: Parameter) -> bool:
         """Say whether such logs can tell a parameter: here also what a drive hardly shows."""

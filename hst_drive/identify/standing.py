@@ -3,20 +3,23 @@
 """
 What may be named of a set that was found, whichever way it was found.
 
-An effect stands if the evidence does not speak against it (``weigh``), and if it is not at the
-end of what is plausible on a machine. What a set leaves beyond the noise may be the work of
-something that acts like one of its effects: what takes away little more than is left falls, too.
-Without one that falls the others are fitted and judged anew.
+An effect stands if the evidence does not speak against it (``weigh``), and if it is neither at
+the end of what is plausible on a machine nor as it was adopted. What a set leaves beyond the noise
+may be the work of something that acts like one of its effects: what takes away little more than is
+left falls, too. Without one that falls the others are fitted and judged anew.
 """
 from __future__ import annotations
 
 from math import inf, log
 from typing import Collection
 
+from hst_drive.effects import effect_of
+from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import DECIDED
 from hst_drive.identify.fit import at_ends, Fit, for_sizes
 from hst_drive.identify.judge import excess, over_own_floors
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.where import AT_NOISE
@@ -31,13 +34,21 @@ def standing(search: Search, best: Candidate) -> Candidate:
         fewer = _each_without(search, best, again=True)
         left, sizes = forms(search, best), for_sizes(search.campaign, best.fit)[1].model
         against = {name: inf if left[name] > _MOST_LEFT or at_ends(
-                       search.campaign, sizes, name) else odds
+                       search.campaign, sizes, name) or _as_before(search.campaign, sizes, name)
+                   else odds
                    for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
         weakest = max(against, key=lambda name: (against[name], left[name]))
         if against[weakest] <= log(DECIDED):
             break
         best = without(search, best, [weakest])
     return best
+
+
+def _as_before(campaign: Campaign, model: Model, name: str) -> bool:
+    """Say whether an adopted effect is as large as it was, but for what formulas are off."""
+    size = effect_of(name).size.name
+    before = campaign.adopted.get(name, {}).get(size, inf)
+    return abs(model.effects[name][size] - before) <= FORMULA_ERROR * abs(before) < inf
 
 
 def _each_without(search: Search, best: Candidate, again: bool = False) -> list[Candidate]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Iterable, Iterator, Sequence, TYPE_CHECKING
 
+from hst_drive.channels import PRESSURES
 from hst_drive.effects import catalogue, flexible
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
@@ -113,11 +114,11 @@ def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campai
                   ) -> tuple[list[Explanation], dict[str, Sensor]]:
     """Return explanations of effects, campaign of the fit, fit, whether listed; and sensors."""
     campaign, means = search.campaign, Means(search.campaign)
-    base = means.of(search.base.errors)
+    bare = means.of(search.bare.errors)
 
     def signals(fit: Fit) -> dict[str, Signal]:
         found = means.of(fit.errors)
-        moved = [one - other for one, other in zip(found, base)]
+        moved = [one - other for one, other in zip(found, bare)]
         own = means.of(_over_own(campaign, fit)) if flexible(fit.model.effects) else found
         return means.signals(own, moved)
 
@@ -152,8 +153,13 @@ def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:
 
 def _bins(campaign: Campaign, column: Column) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples of a column that count, and the number of the mean each is in."""
-    time = campaign.replays[column.log].run.time
-    used = np.sort(column.rows(None))
+    run = campaign.replays[column.log].run
+    time, used = run.time, np.sort(column.rows(None))
+    if run.sample_time > BIN:
+        # Settled points: what a formula is off hangs on where they are, not on when.
+        place = next((run[name] for name in (*PRESSURES, 'motor_speed', 'pump_speed')
+                      if name in run and name != column.signal), time)
+        return used, np.argsort(np.argsort(place[used]))
     return used, ((time[used] - time[0]) / BIN + 1e-6).astype(int)
 
 
@@ -171,9 +177,17 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
             max(replay.roughness.time_constant, _QUICK) if slow else _QUICK,
-            replay.sheet_error(column.signal) * column.scale if part else 0.0))
+            _sheet_error(campaign, column) * column.scale if part else 0.0))
     return {name: Sensor(*map(float, np.median(entries, axis=0)))
             for name, entries in known.items()}
+
+
+def _sheet_error(campaign: Campaign, column: Column) -> float:
+    """Return what a sheet may be off on a signal of a part, and in oil other than it was, SI."""
+    replay, name = campaign.replays[column.log], column.signal
+    oil = campaign.torque_off if replay.balances[name].enters == 'torque' else 0.0
+    known = replay.run[name][column.rows(None)]
+    return float(np.hypot(replay.sheet_error(name), oil * np.sqrt(np.mean(known**2))))
 
 
 def _penalty(campaign: Campaign, fitted: Fit) -> float:

@@ -165,7 +165,8 @@ def unit_section(diagnosis: dict) -> Markup:
     moved = [entry for entry in diagnosis['calibration'] if abs(entry['sigmas']) >= 0.1]
     parts: list[object] = []
     if moved:
-        parts.append(table(['quantity', f'factor on {_start(diagnosis)}', 'tolerances', 'remark'], [
+        parts.append(table(['quantity', f'factor on {_start(diagnosis)}', 'tolerances',
+                            'remark'], [
             [entry['quantity'], f'{entry["factor"]:.4f}', f'{entry["sigmas"]:+.1f}',
              'at its limit' if entry['at_limit'] else ''] for entry in moved],
             f'What calibration moved, within three tolerances of {_start(diagnosis)}'))

@@ -46,6 +46,49 @@ def day(seed, leak=0.0, *, factors=UNIT, celsius=40.0, still=False, rows=240):
         'oil_temperature': np.full(rows, 273.15 + celsius)}, f'day_{seed}.csv')
 
 
+def plateaus(seed, leak=0.0, power=1.0):
+    """
+    Return a day at four loads near each other, of a pump that is off its sheet at each of them.
+
+    ``leak``, L/min at 150 bar, goes with a ``power`` of the pressure beyond what leaked before.
+    """
+    random = np.random.default_rng(seed)
+    rows = 200
+    level = np.arange(rows) // 5 % 4
+    pressure = np.array([146e5, 151e5, 156e5, 166e5])[level] + 1e4 * random.standard_normal(rows)
+    speed = 1500 * RPM + 0.1 * random.standard_normal(rows)
+    flow = columns(pressure, speed) @ np.array(UNIT) + L_MIN * (
+        np.array([0.03, -0.015, 0.0, 0.02])[level] - leak * (pressure / 150e5)**power)
+    return Run(f'day {seed}', np.arange(rows, dtype=float), {
+        'pump_outlet_pressure': pressure, 'pump_speed': speed,
+        'motor_inlet_flow': flow + FLOW_NOISE * random.standard_normal(rows)}, f'day_{seed}.csv')
+
+
+BENCH = {
+    'name': 'motor', 'motor': {
+        'displacement_cc_rev': 160, 'mechanical_efficiency': 0.9,
+        'leakage_L_min': {'laminar_L_min_per_bar': 0.005}},
+    'sensors': {'motor_inlet_pressure': {'noise_std_bar': 0.05},
+                'motor_torque': {'noise_std_N_m': 0.3}, 'motor_speed': {'noise_std_rpm': 0.1}},
+    'tolerances_1_sigma_relative': {'motor.mechanical_efficiency': 0.01}}
+
+
+def braked(seed, celsius, *, power=0.06, scale=1.0, rows=240):
+    """
+    Return a day of a hydromotor on the bench.
+
+    What it loses of its torque follows the viscosity by a ``power``; the torque reads ``scale``.
+    """
+    random = np.random.default_rng(seed)
+    pressure = random.uniform(20, 180, rows) * 1e5
+    thick = viscosity(273.15 + celsius, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
+    torque = 160 * CC * pressure * (1.0 - 0.1 * thick**power)
+    return Run(f'day {seed}', np.arange(rows, dtype=float), {
+        'motor_inlet_pressure': pressure, 'motor_speed': random.uniform(20, 100, rows),
+        'motor_torque': scale * torque + 0.3 * random.standard_normal(rows),
+        'oil_temperature': np.full(rows, 273.15 + celsius)}, f'day_{seed}.csv')
+
+
 def warming(seed, first, last, power, leak=0.0):
     """Return a day on which the oil warms up, degC, and all leakages with it by a power."""
     run = day(seed, leak)

@@ -11,7 +11,7 @@ from hst_drive.diagnose.document import as_json
 from hst_drive.rig import parse_rig
 import pytest
 
-from .machines import day, L_MIN, MAKE, UNIT, warming
+from .machines import day, L_MIN, MAKE, plateaus, UNIT, warming
 
 FIRST = 0.3     # L/min at 100 bar
 COLD = 46 / 75  # viscosity of ISO VG 46 at 40 degC over that at 30 degC, from charts of its makers
@@ -65,6 +65,19 @@ def test_what_changed_is_told_and_adopted(leaky, now, change):
     assert past['change'] == change and past['from'] == content['effects']['pump_leakage']
     assert anew['provenance']['commissioned'] == content['provenance']['commissioned']
     assert diagnosed(anew, day(5, now)).verdict == 'none'
+
+
+@pytest.mark.parametrize('now, power', [(0.8, 0.5), (0.8, 0.7), (1.2, 0.5)])
+def test_growth_of_a_leak_that_follows_another_law_than_was_adopted_is_told(now, power):
+    """Over loads that are near each other the first logs do not tell a gap from an orifice."""
+    unit = commission(MAKE, 'make.yaml', [plateaus(1)]).rig
+    leaky = adopt(unit, written(diagnosed(unit, plateaus(2, 0.4, 0.9))), 'd', 'unit.yaml')
+    result = diagnosed(leaky, plateaus(3, now, power))
+    assert [(entry.id, entry.change) for entry in result.effects] == [('pump_leakage', 'grown')]
+    value = result.effects[0].parameters['conductance']
+    assert value.low * 150e5 <= now * L_MIN <= value.high * 150e5
+    anew = adopt(leaky, written(result), 'e', 'unit.yaml')
+    assert diagnosed(anew, plateaus(4, now, power)).verdict == 'none'
 
 
 @pytest.mark.parametrize('power', [0.25, 0.5, 0.75, 1.0])

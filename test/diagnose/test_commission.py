@@ -21,7 +21,8 @@ from hst_drive.rig import parse_rig
 import numpy as np
 import pytest
 
-from .machines import columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT, warming
+from .machines import (
+    BENCH, braked, columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT, warming)
 from ..identify.test_fit import Linear
 
 ROUGH = {**MAKE, 'tolerances_1_sigma_relative': {
@@ -190,6 +191,20 @@ def test_how_leakage_goes_with_oil_that_warms_up_is_learnt_whether_it_stands_out
     sigma = unit['commissioned']['leakage_temperature_exponent_sigma']
     assert abs(unit['effects'][OIL_LAW]['exponent'] - power) < 2.0 * sigma < 0.3
     assert diagnose(parse_rig(unit, 'unit'), [warming(3, 45, 57, power)]).verdict == 'none'
+    # That another day follows it less is told as something else: nobody can repair the law.
+    other = diagnose(parse_rig(unit, 'unit'), [warming(4, 45, 57, 0.8 - power)])
+    assert OIL_LAW not in [entry.id for entry in other.effects]
+
+
+@pytest.mark.parametrize('celsius', [34.0, 42.0, 66.0])
+def test_what_other_oil_does_to_a_motors_torque_is_no_fault(celsius):
+    """Losses follow the viscosity by a small power that nobody knows; a fault is more."""
+    unit = commission(BENCH, 'bench.yaml', [braked(1, 50.0), braked(2, 50.0)]).rig
+    bench = parse_rig(unit, 'unit')
+    assert diagnose(bench, [braked(3, celsius)]).verdict == 'none'
+    assert 'torque_sensor_scale' in {
+        name for entry in diagnose(bench, [braked(4, celsius, scale=0.96)]).effects
+        for name in (entry.id, *entry.indistinguishable_from)}
 
 
 @pytest.mark.needs_numba

@@ -6,6 +6,7 @@ from test.measure.test_circuit import campaign as closed_campaign
 
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.model import Model
@@ -13,6 +14,8 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.rig import parse_rig
 import pytest
 import yaml
+
+from .machines import BENCH, braked
 
 OFF = 0.3e5         # Pa, which is twice what these gauges scatter
 
@@ -50,6 +53,20 @@ def test_zeros_are_learnt_and_kept_with_the_machine(healthy):
     assert answer.verdict == 'none'
     assert max(abs(entry.value) for entry in answer.zeros
                if entry.channel in zeros) < 0.3 * OFF
+
+
+@pytest.mark.parametrize('bar, verdict', [(0.8, 'none'), (2.0, 'ambiguous')])
+def test_zeros_at_their_limits_are_told_beside_a_gauge_that_is_off(bar, verdict):
+    """Four sigma of a gauge's zero can be shared out: three there, three on the torque sensor."""
+    sensors = {**BENCH['sensors'],
+               'motor_inlet_pressure': {'noise_std_bar': 0.05, 'zero_std_bar': 0.5}}
+    bench = parse_rig({**BENCH, 'sensors': sensors}, 'bench.yaml')
+    found = diagnose(bench, [off(braked(1, 50.0), motor_inlet_pressure=bar * 1e5)])
+    assert found.verdict == verdict
+    for entry in found.effects:
+        assert entry.id == 'pressure_sensor_bias' and UNIT_ALONE in entry.indistinguishable_from
+        low, high = entry.parameters['bias'][1:3]
+        assert low < bar * 1e5 < high and 'the zero of motor_inlet_pressure' in found.sentence
 
 
 def test_a_stated_zero_takes_the_place_of_the_noise(healthy):
