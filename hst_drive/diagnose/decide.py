@@ -21,7 +21,7 @@ from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
-from hst_drive.identify.conditions import outside
+from hst_drive.identify.conditions import oil_untold, outside
 from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
@@ -118,7 +118,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
-            beyond(unseen)])),
+            beyond(unseen, verdict != 'none' and oil_untold(rig, logs))])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},

@@ -123,11 +123,16 @@ def listed(names: Sequence[str], last: str = 'and') -> str:
     return f' {last} '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
 
 
-def beyond(unseen: Sequence[Outside]) -> str:
-    """Tell what the machine was not commissioned for; '' if nothing."""
-    return ('These logs go beyond what the machine was commissioned for: '
-            f'{listed([entry.told for entry in unseen])}. What shows only there may have been so '
-            'from the start.' if unseen else '')
+def beyond(unseen: Sequence[Outside], untold: bool) -> str:
+    """Tell what the machine was not commissioned for, or ``untold`` oil; '' if nothing."""
+    said = [] if not unseen else [
+        'These logs go beyond what the machine was commissioned for: '
+        f'{listed([entry.told for entry in unseen])}. What shows only there may have been so '
+        'from the start.']
+    if untold:
+        said.append('The temperature of the oil is not known, now and then: leaks and friction '
+                    'of a healthy machine change with it, too.')
+    return ' '.join(said)
 
 
 def limits(verdict: str, quantities: Sequence[str]) -> str:

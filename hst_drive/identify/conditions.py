@@ -158,6 +158,12 @@ def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
     return tuple(found)
 
 
+def oil_untold(rig: Rig, runs: Sequence[Run]) -> bool:
+    """Say whether nobody knows if a commissioned machine's oil is as warm as it was then."""
+    return rig.fingerprint is not None and not (
+        'oil_temperature' in rig.fingerprint.conditions and _reach('oil_temperature', runs))
+
+
 def conditions(runs: Sequence[Run]) -> dict[str, list[float]]:
     """Return the range of each channel that tells conditions, in the units of a rig file."""
     ranges = {}

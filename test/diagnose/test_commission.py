@@ -196,6 +196,17 @@ def test_how_leakage_goes_with_oil_that_warms_up_is_learnt_whether_it_stands_out
     assert OIL_LAW not in [entry.id for entry in other.effects]
 
 
+@pytest.mark.parametrize('recorded', [True, False])
+def test_where_the_oil_is_not_known_that_is_told_beside_a_leak(recorded):
+    logs = [day(1), day(2, 0.5)]
+    for run in logs if not recorded else ():
+        del run.channels['oil_temperature']
+    unit = parse_rig(commission(MAKE, 'make.yaml', logs[:1]).rig, 'unit')
+    found = diagnose(unit, logs[1:])
+    assert [entry.id for entry in found.effects] == ['pump_leakage']
+    assert ('temperature of the oil is not known' in found.sentence) != recorded
+
+
 @pytest.mark.parametrize('celsius', [34.0, 42.0, 66.0])
 def test_what_other_oil_does_to_a_motors_torque_is_no_fault(celsius):
     """Losses follow the viscosity by a small power that nobody knows; a fault is more."""
