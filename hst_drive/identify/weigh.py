@@ -15,6 +15,7 @@ from hst_drive.identify.evidence import (
     weight)
 from hst_drive.identify.fit import ended, Fit
 from hst_drive.identify.unknowns import Unknowns
+from hst_drive.measure.readings import filled
 from hst_drive.measure.run import BLOCK
 import numpy as np
 
@@ -155,7 +156,7 @@ def _bins(campaign: Campaign, column: Column) -> tuple[np.ndarray, np.ndarray]:
     """Return the samples of a column that count, and the number of the mean each is in."""
     run = campaign.replays[column.log].run
     time, used = run.time, np.sort(column.rows(None))
-    if run.sample_time > BIN:
+    if campaign.by_balance and round(run.sample_time / BIN) > 1:
         # Settled points: what a formula is off hangs on where they are, not on when.
         place = next((run[name] for name in (*PRESSURES, 'motor_speed', 'pump_speed')
                       if name in run and name != column.signal), time)
@@ -185,9 +186,11 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
 def _sheet_error(campaign: Campaign, column: Column) -> float:
     """Return what a sheet may be off on a signal of a part, and in oil other than it was, SI."""
     replay, name = campaign.replays[column.log], column.signal
-    oil = campaign.torque_off if replay.balances[name].enters == 'torque' else 0.0
-    known = replay.run[name][column.rows(None)]
-    return float(np.hypot(replay.sheet_error(name), oil * np.sqrt(np.mean(known**2))))
+    if not campaign.torque_off or replay.balances[name].enters != 'torque':
+        return replay.sheet_error(name)
+    known = filled(replay.run[name])
+    return float(np.hypot(replay.sheet_error(name),
+                          campaign.torque_off * np.sqrt(np.mean(known**2))))
 
 
 def _penalty(campaign: Campaign, fitted: Fit) -> float:
