@@ -159,5 +159,5 @@ def _stays(last: Mapping[str, float]) -> str:
     """Say what stays well above the noise though it counts as explained."""
     worst = max(last, key=last.get)
     return '' if last[worst] <= CLEAN_RATIO else (
-        f' {CHANNELS[worst].title.capitalize()} stays at {times(last[worst])} times the noise: '
-        'chance, and formulas that are never exact, explain that.')
+        f' {CHANNELS[worst].title.capitalize()} stays at {times(last[worst])} times the noise, '
+        'no more than chance and formulas, off by a tenth of what they do, may leave.')
