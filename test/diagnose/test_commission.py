@@ -205,6 +205,8 @@ def test_where_the_oil_is_not_known_that_is_told_beside_a_leak(recorded):
     found = diagnose(unit, logs[1:])
     assert [entry.id for entry in found.effects] == ['pump_leakage']
     assert ('temperature of the oil is not known' in found.sentence) != recorded
+    # A leak is no reason to buy a thermometer where it enters no balance.
+    assert found.not_observable['motor_leakage'].startswith('enters no balance')
 
 
 @pytest.mark.parametrize('celsius', [34.0, 42.0, 66.0])
