@@ -109,6 +109,10 @@ class Campaign:
         """Say what to record next to tell models apart; '' where a test can be designed."""
         return ''
 
+    def oil_error(self, name: str) -> float:
+        """Return what oil other than it was may do to a signal beyond the factors, in floors."""
+        return 0.0
+
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
         return [name for name, effect in catalogue().items()

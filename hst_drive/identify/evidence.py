@@ -29,7 +29,7 @@ from scipy.special import erf
 
 BIN = 0.1           # s; errors are means over it, and a discrepancy is alike over ``BLOCK``
 _TAIL = 30.0        # samples by which the scale of a piece is known
-_BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
+BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
@@ -41,7 +41,7 @@ CREDIBLE, STRONG = log(1000.0), log(20.0)
 # Sizes that a discrepancy may have, in floors.
 _SIZES = np.concatenate([[0.0], np.geomspace(0.05, 60.0, 22)])
 # The prior of what is not listed: each order of magnitude from what curves are off.
-_ANY_SIZE = np.where(_SIZES >= _BASELINE, -np.log(np.sum(_SIZES >= _BASELINE)), -np.inf)
+_ANY_SIZE = np.where(_SIZES >= BASELINE, -np.log(np.sum(_SIZES >= BASELINE)), -np.inf)
 _EDGES = np.array([0.0, 0.5 * _SIZES[1], *np.sqrt(_SIZES[1:-1] * _SIZES[2:]), np.inf])
 
 
@@ -269,7 +269,7 @@ def _added(logarithms: np.ndarray | Sequence[float]) -> float:
 
 def _as_share(signal: Signal, share: float, sheet: float) -> np.ndarray:
     """Return the logarithm of the prior of the sizes of a discrepancy: half a normal one."""
-    scale = float(np.linalg.norm([_BASELINE, sheet, share * signal.moved]))
+    scale = float(np.linalg.norm([BASELINE, sheet, share * signal.moved]))
     return np.asarray(np.log(np.diff(erf(_EDGES / (np.sqrt(2.0) * scale))) + 1e-300))
 
 

@@ -180,7 +180,8 @@ def _beyond(campaign: Campaign, own: Campaign, ratios: Mapping[str, float],
     for name, ratio in ratios.items():
         common = _squared_floors(campaign, own, name, held_out)
         if ratio**2 > (1.0 + (clean**2 - 1.0) * min(common, 1.0) + own.scatter(name, held_out)
-                       + common * (FORMULA_ERROR * done.get(name, 0.0))**2):
+                       + common * (FORMULA_ERROR * done.get(name, 0.0))**2
+                       + own.oil_error(name)**2):
             left[name] = ratio
     return left
 

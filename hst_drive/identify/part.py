@@ -15,6 +15,7 @@ from hst_drive.identify.zeros import read_beyond
 from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.readings import filled
 from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
@@ -140,6 +141,13 @@ class PartCampaign(Campaign):
             return f'record {named} as well: that tells them apart'
         return ('record more operating points: a wider span of pressure, speed, stroke and oil '
                 'temperature than these logs have may tell them apart')
+
+    def oil_error(self, name: str) -> float:
+        """Return what oil other than it was may do to a signal beyond the factors, in floors."""
+        return max((self.torque_off * column.scale * float(np.sqrt(np.mean(
+            filled(self.replays[column.log].run[name])**2)))
+            for column in self.columns if self.torque_off and column.signal == name
+            and self.replays[column.log].balances[name].enters == 'torque'), default=0.0)
 
     def out_of_reach(self, name: str) -> str:
         """Say why the channels cannot show an effect; empty if they can."""

@@ -14,11 +14,11 @@ from math import inf, log
 from typing import Collection
 
 from hst_drive.effects import effect_of
-from hst_drive.effects.base import FORMULA_ERROR
+from hst_drive.effects.base import arguments, FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.evidence import DECIDED
+from hst_drive.identify.evidence import BASELINE, DECIDED
 from hst_drive.identify.fit import at_ends, Fit, for_sizes
-from hst_drive.identify.judge import excess, over_own_floors
+from hst_drive.identify.judge import contribution, excess, over_own_floors
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
@@ -35,8 +35,10 @@ def standing(search: Search, best: Candidate) -> Candidate:
         left, sizes = forms(search, best), for_sizes(search.campaign, best.fit)[1].model
         against = {name: inf if left[name] > _MOST_LEFT or at_ends(
                        search.campaign, sizes, name) or _as_before(search.campaign, sizes, name)
+                   or _as_the_oil(search.campaign, rest.fit, best.fit, name)
                    else odds
-                   for name, odds in zip(best.names, log_odds(search, [best, *fewer])[1:])}
+                   for name, rest, odds in zip(best.names, fewer, log_odds(
+                       search, [best, *fewer])[1:])}
         weakest = max(against, key=lambda name: (against[name], left[name]))
         if against[weakest] <= log(DECIDED):
             break
@@ -49,6 +51,15 @@ def _as_before(campaign: Campaign, model: Model, name: str) -> bool:
     size = effect_of(name).size.name
     before = campaign.adopted.get(name, {}).get(size, inf)
     return abs(model.effects[name][size] - before) <= FORMULA_ERROR * abs(before) < inf
+
+
+def _as_the_oil(campaign: Campaign, without: Fit, model: Fit, name: str) -> bool:
+    """Say whether a drag is no more than oil may make that is not as warm as it was."""
+    effect = effect_of(name)
+    drag = effect.slot == 'motor_torque_loss' and 'motor_speed' in arguments(effect.function)
+    return drag and campaign.torque_off > 0.0 and all(
+        amount <= max(campaign.oil_error(signal), BASELINE)
+        for signal, amount in contribution(campaign, without, model, None).items())
 
 
 def _each_without(search: Search, best: Candidate, again: bool = False) -> list[Candidate]:

@@ -15,7 +15,6 @@ from hst_drive.identify.evidence import (
     weight)
 from hst_drive.identify.fit import ended, Fit
 from hst_drive.identify.unknowns import Unknowns
-from hst_drive.measure.readings import filled
 from hst_drive.measure.run import BLOCK
 import numpy as np
 
@@ -178,19 +177,10 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
             max(replay.roughness.time_constant, _QUICK) if slow else _QUICK,
-            _sheet_error(campaign, column) * column.scale if part else 0.0))
+            float(np.hypot(replay.sheet_error(column.signal) * column.scale,
+                           campaign.oil_error(column.signal))) if part else 0.0))
     return {name: Sensor(*map(float, np.median(entries, axis=0)))
             for name, entries in known.items()}
-
-
-def _sheet_error(campaign: Campaign, column: Column) -> float:
-    """Return what a sheet may be off on a signal of a part, and in oil other than it was, SI."""
-    replay, name = campaign.replays[column.log], column.signal
-    if not campaign.torque_off or replay.balances[name].enters != 'torque':
-        return replay.sheet_error(name)
-    known = filled(replay.run[name])
-    return float(np.hypot(replay.sheet_error(name),
-                          campaign.torque_off * np.sqrt(np.mean(known**2))))
 
 
 def _penalty(campaign: Campaign, fitted: Fit) -> float:

@@ -73,18 +73,26 @@ BENCH = {
     'tolerances_1_sigma_relative': {'motor.mechanical_efficiency': 0.01}}
 
 
-def braked(seed, celsius, *, power=0.06, scale=1.0, rows=240):
+DRAGGED = {**BENCH, 'motor': {**BENCH['motor'], 'mechanical_efficiency': {
+    'coulomb_N_m': 5, 'viscous_N_m_s_per_rad': 0.25, 'pressure_share': 0.03}}}
+
+
+def braked(seed, celsius, *, drag=False, friction=0.0, scale=1.0, rows=240):
     """
     Return a day of a hydromotor on the bench.
 
-    What it loses of its torque follows the viscosity by a ``power``; the torque reads ``scale``.
+    What it loses of its torque follows the viscosity: all of it hardly, or of a ``drag`` the part
+    that goes with the speed. There may be more ``friction``, N.m; the torque reads ``scale``.
     """
     random = np.random.default_rng(seed)
     pressure = random.uniform(20, 180, rows) * 1e5
     thick = viscosity(273.15 + celsius, 'ISO VG 46') / viscosity(323.15, 'ISO VG 46')
-    torque = 160 * CC * pressure * (1.0 - 0.1 * thick**power)
+    speed, ideal = random.uniform(20, 100, rows), 160 * CC * pressure
+    torque = 0.97 * ideal - 5.0 - 0.25 * thick**0.3 * speed if drag else (
+        1.0 - 0.1 * thick**0.06) * ideal
+    torque -= friction
     return Run(f'day {seed}', np.arange(rows, dtype=float), {
-        'motor_inlet_pressure': pressure, 'motor_speed': random.uniform(20, 100, rows),
+        'motor_inlet_pressure': pressure, 'motor_speed': speed,
         'motor_torque': scale * torque + 0.3 * random.standard_normal(rows),
         'oil_temperature': np.full(rows, 273.15 + celsius)}, f'day_{seed}.csv')
 

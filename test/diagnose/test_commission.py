@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from .machines import (
-    BENCH, braked, columns, day, FLOW_NOISE, MAKE, TOLERANCES, UNIT, warming)
+    BENCH, braked, columns, day, DRAGGED, FLOW_NOISE, MAKE, TOLERANCES, UNIT, warming)
 from ..identify.test_fit import Linear
 
 ROUGH = {**MAKE, 'tolerances_1_sigma_relative': {
@@ -218,6 +218,16 @@ def test_what_other_oil_does_to_a_motors_torque_is_no_fault(celsius):
     assert 'torque_sensor_scale' in {
         name for entry in diagnose(bench, [braked(4, celsius, scale=0.96)]).effects
         for name in (entry.id, *entry.indistinguishable_from)}
+
+
+def test_a_drag_that_goes_with_the_oil_is_no_fault_but_friction_is():
+    unit = commission(DRAGGED, 'bench.yaml', [
+        braked(seed, 50.0, drag=True) for seed in (1, 2)]).rig
+    bench = parse_rig(unit, 'unit')
+    assert [diagnose(bench, [braked(3, celsius, drag=True)]).verdict
+            for celsius in (38.0, 62.0)] == ['none'] * 2
+    found, = diagnose(bench, [braked(4, 38.0, drag=True, friction=6.0)]).effects
+    assert 'bearing_friction' in (found.id, *found.indistinguishable_from)
 
 
 @pytest.mark.needs_numba
