@@ -117,22 +117,21 @@ def _values(entry: dict, source: str) -> dict[str, float]:
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f"{source}: effect '{name}' has no readable 'parameters'; write the "
                          'diagnosis again') from None
-    known = {parameter.name: parameter.neutral
-             for parameter in effect_of(name).parameters}
+    effect = effect_of(name)
+    known = effect.neutral
     for key in values:
         if key not in known:
             raise InputError(f"{source}: effect '{name}' has no parameter '{key}'; it has "
                              f'{", ".join(known)}')
-    size = next(iter(known))
-    if size not in values:
-        raise InputError(f"{source}: effect '{name}' lacks its size '{size}'; write the diagnosis "
-                         'again')
+    if effect.size.name not in values:
+        raise InputError(f"{source}: effect '{name}' lacks its size '{effect.size.name}'; write "
+                         'the diagnosis again')
     if name in FORMULAS:
         # Powers of 0 are what a formula has without being told.
         return {key: value for key, value in values.items()
                 if value or key.startswith('coefficient')}
     # What the diagnosis did not know of was not there when it was fitted.
-    return {**known, **values}
+    return {**{entry.name: entry.neutral for entry in effect.own}, **values}
 
 
 def _formula_of(diagnosis: dict) -> dict | None:

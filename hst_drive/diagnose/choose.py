@@ -8,7 +8,6 @@ from typing import Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import OIL_POWER
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
 from hst_drive.identify.search import Candidate, Search
@@ -105,4 +104,4 @@ def _plainness(search: Search, names: Sequence[str]) -> tuple[int, int, int]:
     effects = [catalogue()[name] for name in names]
     return (len({*names} - {*search.campaign.faults}),
             sum(effect.both_ways or bool(effect.form_of) for effect in effects),
-            sum(entry not in OIL_POWER for effect in effects for entry in effect.parameters))
+            sum(len(effect.own) for effect in effects))

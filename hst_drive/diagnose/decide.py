@@ -22,7 +22,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
-from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes
+from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes, limited
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.model import Model
@@ -84,9 +84,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
-    limited = [*(entry.quantity for entry in _calibration(campaign, best.fit) if entry.at_limit),
-               *(f'the zero of {entry.channel}' for entry in _zeros(campaign, best.fit)
-                 if at_limit(campaign, entry.channel, entry.value))]
+    strained = [f'the zero of {key}' if key in campaign.zeros else key
+                for key in limited(campaign, best.fit)]
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
@@ -110,11 +109,11 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     # What is named beside a sensor that drifts may be the drift.
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     said = sentence(verdict, effects, ladder, remaining,
-                    tuple(name for name in hidden if hidden[name] != ELSEWHERE), limited,
+                    tuple(name for name in hidden if hidden[name] != ELSEWHERE), strained,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            *mend, odd, said, several, '' if or_none else limits(verdict, limited),
+            *mend, odd, said, several, '' if or_none else limits(verdict, strained),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
@@ -124,7 +123,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                   and entry.id not in explained},
         calibration=_calibration(campaign, best.fit), zeros=_zeros(campaign, best.fit),
         probability=posterior(search, best, rivals, verdict), unknown=remaining,
-        next_test=_measure(search, best, limited) if or_none else
+        next_test=_measure(search, best, strained) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking),
                 **{name: entry.told for name, entry in better.items()}},
@@ -279,10 +278,10 @@ def _zeros(campaign: Campaign, fitted: Fit) -> tuple[Zero, ...]:
                         key=lambda item: -abs(item.sigmas)))
 
 
-def _measure(search: Search, best: Candidate, limited: Sequence[str]) -> NextTest:
+def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:
     """Return what separates an effect from a unit at its limits: a datasheet that is sharper."""
     return NextTest((*best.names, UNIT_ALONE),
-                    f'measure {listed(limited)} of this unit by itself and write the number and '
+                    f'measure {listed(strained)} of this unit by itself and write the number and '
                     'how well it is known into the rig file; or record it when it was healthy',
                     tuple(dict(entry.fit.model.effects) for entry in (best, search.baseline)))
 

@@ -227,6 +227,11 @@ class Effect:
         return {entry.name: entry.neutral for entry in self.parameters}
 
     @property
+    def own(self) -> tuple[Parameter, ...]:
+        """Its parameters but for those that the machine's oil sets (``OIL_POWER``)."""
+        return tuple(entry for entry in self.parameters if entry not in OIL_POWER)
+
+    @property
     def size(self) -> Parameter:
         """The parameter of which nothing is left where the effect is off: the first."""
         return self.parameters[0]

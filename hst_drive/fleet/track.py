@@ -94,7 +94,7 @@ def _sizes(rig: Rig, runs: Sequence[Run],
            effects: Mapping[str, Mapping[str, float]]) -> tuple[Sizes, float]:
     campaign = campaign_of(rig, runs).of_logs(all_to_fit=True)
     campaign.signed, campaign.open_forms = True, False
-    known = {name: campaign.with_oil(values) for name, values in effects.items()
+    known = {name: campaign.oil.within(values) for name, values in effects.items()
              if not campaign.out_of_reach(name)}
     # Of what is adopted the form is known, and the size is fitted.
     campaign.adopted = {**campaign.adopted, **known}

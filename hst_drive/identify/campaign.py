@@ -14,11 +14,9 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.effects import catalogue, Effect, effect_of, Parameter
-from hst_drive.effects.base import OIL_POWER
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
-from hst_drive.identify.conditions import (
-    adopted, faults_of, of_the_oil, prior, usual_viscosity)
+from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import read_beyond, zeros_of
@@ -36,7 +34,6 @@ _SLOW_EVENTS = 0.35     # share of the blocks that events may spoil where rows m
 SETTLE = 0.3            # s left out at the start of a log: the first state is not measured whole
 _SLOW_STAMPS = 5e-3     # s: time stamps of a record slower than the controller
 _SLOW_SCATTER, _SLOW_LOAD = 1.0, 0.4    # of the squared noise ratio; of the load's
-_OIL = [entry.name for entry in OIL_POWER]
 ELSEWHERE = 'has no place in this circuit'
 
 
@@ -65,14 +62,13 @@ class Campaign:
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
         # In a closed circuit a share of the flow is its sheet's error instead.
         logs = (*runs, *holdout)
-        self.expected, self.tolerances, self.ties, self.torque_off = prior(
+        self.expected, self.tolerances, self.ties, self.oil, self.torque_off = prior(
             rig, logs, self.by_balance and rig.circuit == OPEN)
-        ratio = usual_viscosity(rig, logs)
-        self.rig = replace(rig, effects=adopted(rig, ratio), calibration={**rig.calibration, **{
-            key: rig.calibration.get(key, 1.0) * factor for key, factor in self.expected.items()}})
+        self.rig = replace(rig, effects=self.oil.brought(rig.effects), calibration={
+            **rig.calibration, **{key: rig.calibration.get(key, 1.0) * factor
+                                  for key, factor in self.expected.items()}})
         self.adopted = self.rig.effects
         self.faults = faults_of(self.rig)
-        self.of_the_oil = of_the_oil(rig, ratio)
         self.drive = self._model()
         self.replays = [replay_of(run.slower(self.finest), self.drive)
                         for run in (*runs, *holdout)]
@@ -142,16 +138,11 @@ class Campaign:
         entries = [self.parameter(name, entry.name)
                    for entry in effect_of(name).parameters]
         if name not in self.adopted:
-            return self.with_oil({entry.name: entry.typical for entry in entries})
+            return self.oil.within({entry.name: entry.typical for entry in entries})
         now, size = self.off(name), entries[0]
         more = now[size.name] + size.typical - size.neutral
         return {**now, size.name: more if size.low <= more <= size.high
                 else now[size.name] - (size.typical - size.neutral) / 2}
-
-    def with_oil(self, values: dict[str, float]) -> dict[str, float]:
-        """Return parameters of an effect, of a leak as this machine's go with their oil."""
-        bare = {key: value for key, value in values.items() if key not in _OIL}
-        return {**bare, **self.of_the_oil} if len(bare) < len(values) else values
 
     def off(self, name: str) -> dict[str, float]:
         """Return an effect's parameters as the model has them without it: adopted, or neutral."""
@@ -262,18 +253,8 @@ class Campaign:
         return drive
 
     def switched(self, model: Model) -> dict[str, dict[str, float]]:
-        """
-        Return the effects of a model, and adopted leaks beside them that follow the oil.
-
-        What is not known of the oil moves them as it moves what the table leaks there.
-        """
-        leaks = {}
-        for name, values in self.adopted.items():
-            factor = model.scales.get(LEAKS.get(effect_of(name).slot, ''), 1.0)
-            if values.get(_OIL[0]) and factor != 1.0:
-                size = effect_of(name).size.name
-                leaks[name] = {**values, size: factor * values[size]}
-        return {**leaks, **model.effects}
+        """Return the effects of a model, and adopted leaks beside them that follow the oil."""
+        return {**moved(self.adopted, model.scales), **model.effects}
 
     def floors_of(self, model: Model) -> list[dict[str, float]]:
         """Return the floors, log by log, of a drive that is as this model says."""

@@ -3,9 +3,10 @@
 """What is known of a machine before its logs are looked at, for the conditions that they have."""
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Mapping, NamedTuple, Sequence
 
 from hst_drive.channels import CHANNELS
+from hst_drive.effects import effect_of
 from hst_drive.effects.base import OIL_POWER
 from hst_drive.effects.leakage_temperature import brought, OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.effects.slots import LEAKS
@@ -22,6 +23,8 @@ _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
 # What a hydromotor loses of its torque follows the viscosity by a power whose one sigma this is:
 # dry friction by 0, viscous drag by 1, and on sheets that is a tenth of all.
 _TORQUE_POWER = 0.1
+_OIL = [entry.name for entry in OIL_POWER]
+Effects = Mapping[str, dict[str, float]]
 
 
 class Outside(NamedTuple):
@@ -41,6 +44,29 @@ class Outside(NamedTuple):
         return f'{CHANNELS[self.channel].title} {low} to {high} {unit} (there {first} to {last})'
 
 
+class Oil(NamedTuple):
+    """
+    The oil of some logs, and how a machine's leaks go with it.
+
+    ``ratio`` is its median viscosity over that of the tables, 0 if not known; ``leaks`` are the
+    ``OIL_POWER`` of new leaks: of a commissioned machine the power that was learnt, or that of
+    any gap.
+    """
+
+    ratio: float
+    leaks: dict[str, float]
+
+    def within(self, values: dict[str, float]) -> dict[str, float]:
+        """Return parameters of an effect, of a leak as this machine's go with their oil."""
+        bare = {key: value for key, value in values.items() if key not in _OIL}
+        return {**bare, **self.leaks} if len(bare) < len(values) else values
+
+    def brought(self, effects: Effects) -> dict[str, dict[str, float]]:
+        """Return adopted effects, leaks as large as they are in this oil."""
+        return {name: brought(values, self.ratio) if self.ratio and _follows(values)
+                else dict(values) for name, values in effects.items()}
+
+
 class Prior(NamedTuple):
     """
     Factors of the unit: expected ones, how far off (logarithm, one sigma), and their ties.
@@ -51,7 +77,28 @@ class Prior(NamedTuple):
     expected: dict[str, float]
     sigmas: dict[str, float]
     ties: dict[tuple[str, str], float]
+    oil: Oil
     torque: float = 0.0
+
+
+def _follows(values: Mapping[str, float]) -> bool:
+    """Say whether an effect of these parameters is a leak that follows the oil."""
+    return bool(values.get(_OIL[0]))
+
+
+def moved(effects: Effects, scales: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """
+    Return the adopted leaks that follow the oil where factors of the unit move leakages.
+
+    What is not known of the oil moves them as it moves what the table leaks there.
+    """
+    leaks = {}
+    for name, values in effects.items():
+        effect = effect_of(name)
+        factor = scales.get(LEAKS.get(effect.slot, ''), 1.0)
+        if _follows(values) and factor != 1.0:
+            leaks[name] = {**values, effect.size.name: factor * values[effect.size.name]}
+    return leaks
 
 
 def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
@@ -65,15 +112,17 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     """
     sigmas = {key: value for key, value in {
         **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
+    reach = _reach('oil_temperature', runs, (50.0,))
+    ratio = float(rig.viscosity_ratio(reach[0])) if reach else 0.0
     if not rig.fingerprint:
-        return Prior({}, sigmas, {})
+        return Prior({}, sigmas, {}, Oil(ratio, {}))
     expected, most = _thinner(rig, runs)
+    learnt = rig.effects.get(OIL_LAW, {'exponent': POWER})['exponent']
     power, unsure = (0.0, rig.fingerprint.oil_law) if OIL_LAW in rig.effects else (
         POWER, POWER_SIGMA)
-    ratio = usual_viscosity(rig, runs)
     furthest = max(map(abs, (most, *(
-        float(np.log(values[OIL_POWER[1].name] / ratio)) for values in rig.effects.values()
-        if ratio and values.get(OIL_POWER[0].name)))))
+        float(np.log(values[_OIL[1]] / ratio)) for values in rig.effects.values()
+        if ratio and _follows(values)))))
     # Both the power is not known, and one factor stands for all temperatures of these logs.
     spread = np.hypot(unsure * furthest, power * (most - expected))
     torque = {key: _TORQUE_POWER * abs(most) * lost for key, lost in _torque_lost(rig).items()}
@@ -87,6 +136,7 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
         (one, other): value if one == other else (
             value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
         for (one, other), value in rig.fingerprint.correlation.items()},
+        Oil(ratio, dict(zip(_OIL, (learnt, ratio))) if ratio and learnt else {}),
         torque.get('motor.mechanical_efficiency', 0.0))
 
 
@@ -109,29 +159,6 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
     thinner = np.log(rig.viscosity_ratio(learnt) / rig.viscosity_ratio(np.array(reach)))
     return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
-
-
-def adopted(rig: Rig, ratio: float) -> dict[str, dict[str, float]]:
-    """Return the effects of a rig, leaks as large as they are at a viscosity (``brought``)."""
-    return {name: brought(values, ratio) if ratio and values.get(OIL_POWER[0].name)
-            else dict(values) for name, values in rig.effects.items()}
-
-
-def of_the_oil(rig: Rig, ratio: float) -> dict[str, float]:
-    """
-    Return how leaks of a commissioned machine go with its oil: the parameters ``OIL_POWER``.
-
-    By the power that was learnt, or that of any gap; empty where the oil is not known.
-    """
-    power = rig.effects.get(OIL_LAW, {'exponent': POWER})['exponent']
-    return dict(zip((entry.name for entry in OIL_POWER), (power, ratio))) \
-        if rig.fingerprint and ratio and power else {}
-
-
-def usual_viscosity(rig: Rig, runs: Sequence[Run]) -> float:
-    """Return the oil's median viscosity in some logs over that of the tables; 0 if unknown."""
-    reach = _reach('oil_temperature', runs, (50.0,))
-    return float(rig.viscosity_ratio(reach[0])) if reach else 0.0
 
 
 def faults_of(rig: Rig) -> dict[str, dict[str, float]]:

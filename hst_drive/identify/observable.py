@@ -13,7 +13,7 @@ from math import log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import catalogue
-from hst_drive.effects.base import arguments, OIL_POWER
+from hst_drive.effects.base import arguments
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import (
     DECIDED, expected_odds, laplace, range_of, Signal, weight)
@@ -93,9 +93,10 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 
 def unread(campaign: Campaign, name: str) -> str:
     """Say which channel an effect follows that no log has; empty if there is none."""
-    missing = sorted({_FROM[entry] for _, function in catalogue()[name].terms
+    effect = catalogue()[name]
+    missing = sorted({_FROM[entry] for _, function in effect.terms
                       for entry in arguments(function) if entry in _FROM
-                      and OIL_POWER[0] not in catalogue()[name].parameters
+                      and effect.own == effect.parameters
                       and not any(_FROM[entry] in replay.run for replay in campaign.replays)})
     return f'needs the channel {" and ".join(missing)}' if missing else ''
 

@@ -139,8 +139,9 @@ class PartCampaign(Campaign):
         if telling:
             named = ' or '.join(f'{CHANNELS[name].title} ({name})' for name in telling)
             return f'record {named} as well: that tells them apart'
-        return ('record more operating points: a wider span of pressure, speed, stroke and oil '
-                'temperature than these logs have may tell them apart')
+        span = ', '.join(CHANNELS[name].title for name in there if name not in self.signals)
+        return (f'record more operating points: a wider span of {span} than these logs have may '
+                'tell them apart')
 
     def oil_error(self, name: str) -> float:
         """Return what oil other than it was may do to a signal beyond the factors, in floors."""
@@ -177,7 +178,7 @@ class PartCampaign(Campaign):
             if not self._differ(self.errors(Model({name: values})),
                                 self.errors(Model({name: without}))):
                 values[key] = off[key]
-        return self.with_oil(values)
+        return self.oil.within(values)
 
     def fits(self, name: str, key: str) -> bool:
         """Say whether a parameter is fitted; here also the form, not told, of what may grow."""

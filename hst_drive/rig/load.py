@@ -307,7 +307,7 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'zero_std', 'range'))
         where = f'sensors.{name}'
         _known(content, keys, source, where)
-        if keys[0] not in content:
+        if not {keys[0], keys[2]} & content.keys():
             raise InputError(f"{source}: key '{where}.{keys[0]}' is missing; add it")
         noise, step, zero = (difference_to_si(_number(
             content.get(key, 0), 0, 1e6, source, f'{where}.{key}', unit), unit)

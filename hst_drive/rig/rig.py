@@ -169,7 +169,8 @@ class Sensor:
     """
     Standard deviation of the noise, step of the reading and range, all in SI.
 
-    ``zero_std`` is one standard deviation of how far the zero may be off; 0 where nobody said.
+    ``zero_std`` is one standard deviation of how far the zero may be off. Where nobody said, a
+    number is 0: records show their noise by themselves.
     """
 
     noise_std: float

@@ -163,6 +163,19 @@ def test_all_parameters_are_written(tmp_path):
     assert adopted['effects']['bearing_friction'] == {'coulomb': 13.0, 'load_share': 0.0}
 
 
+def test_of_the_oil_nothing_is_written_that_was_not_told(tmp_path):
+    """A leak's power of the viscosity is a commissioned machine's: others have the formula alone."""
+    leak = diagnosis()
+    leak['effects'] = [{'id': 'motor_leakage', 'parameters': {
+        'conductance': {'value': 1e-12}, 'exponent': {'value': 1.0}}}]
+    assert adopt(read_yaml(RIG), leak, 'd.json', 'rig.yaml')['effects'] == {
+        'motor_leakage': {'conductance': 1e-12, 'exponent': 1.0}}
+    leak['effects'][0]['parameters'] |= {'oil_power': {'value': 0.5},
+                                         'oil_viscosity_ratio': {'value': 1.3}}
+    assert adopt(read_yaml(RIG), leak, 'd.json', 'rig.yaml')['effects']['motor_leakage'] == {
+        'conductance': 1e-12, 'exponent': 1.0, 'oil_power': 0.5, 'oil_viscosity_ratio': 1.3}
+
+
 def without_effects(content):
     content.update(effects=[], verdict='none')
 

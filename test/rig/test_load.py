@@ -255,6 +255,13 @@ def test_losses_may_be_numbers_or_coefficients():
     assert pressure * rig.motor.displacement * 0.97 - 8.0 - 3.0 == pytest.approx(200.0, rel=1e-3)
 
 
+def test_of_a_sensor_the_zero_alone_may_be_stated():
+    """Records show the noise by themselves."""
+    content = changed('sensors.motor_speed', {'zero_std_rpm': 0.2})
+    sensor = parse_rig(content, 'rig.yaml').sensors['motor_speed']
+    assert (sensor.noise_std, sensor.zero_std) == (0.0, pytest.approx(0.2 * 2 * math.pi / 60))
+
+
 def test_parameters_that_are_left_out_are_neutral():
     """A file from before an effect got a parameter keeps the model that was fitted then."""
     rig = parse_rig(changed('effects', {'bearing_friction': {'coulomb': 13},
