@@ -179,6 +179,13 @@ def picks_of(header: list[str], channel_map: ChannelMap, path: str,
     for entry in wanted:
         column = _column(entry, header, names, path, channel_map.source)
         picks.append((column, entry, _unit(entry, header[column], path)))
+    bare = {header[column]: f'{names[column]}[{channel_of(entry.channel).display}]'
+            for column, entry, unit in picks if not unit}
+    if bare:
+        one = len(bare) == 1
+        raise InputError(f"{path}: {'column' if one else 'columns'} "
+                         f"{', '.join(map(repr, bare))} {'has' if one else 'have'} no unit; write "
+                         f"{'it' if one else 'them'} as {', '.join(bare.values())}")
     if len(picks) == 1:
         near = [f'{name} ({match[0]}?)' for name in names
                 if (match := get_close_matches(name, CHANNELS, n=1))]
@@ -207,15 +214,13 @@ def _column(entry: Entry, header: list[str], names: list[str], path: str, source
 
 
 def _unit(entry: Entry, cell: str, path: str) -> str:
+    """Return the unit of a column; '' where neither the map nor its header tells one."""
     if entry.unit:
         return entry.unit
     si = 's' if entry.channel == 'time' else channel_of(entry.channel).unit
-    name, unit = split_header(cell)
+    unit = split_header(cell)[1]
     if unit is None:
-        if entry.channel == 'time':
-            return DATE
-        raise InputError(f'{path}: column {cell!r} has no unit; write it as '
-                         f'{name}[{channel_of(entry.channel).display}]')
+        return DATE if entry.channel == 'time' else ''
     return check_unit(unit, si, f'{path}: column {cell!r}')
 
 

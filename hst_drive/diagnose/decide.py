@@ -253,15 +253,15 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
         if entry.id in best.names or entry.id in standing:
             continue
         candidate = search.single(entry.id)
-        found = search.gain(candidate, best).share
-        if not found:
+        found = search.gain(candidate, best)
+        if not found.amount:
             continue    # too little is held out
-        worst = max(found, key=found.__getitem__)
+        worst = max(found.amount, key=found.amount.__getitem__)
         ratios = search.campaign.ratios(candidate.fit.errors, True)
         told[entry.id] = (
             f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times the noise; '
             f'{"what was found" if len(best.names) > 1 else best.names[0]} takes '
-            f'{100 * max(found[worst], 0):.0f} % of that squared error away')
+            f'{100 * max(found.share[worst], 0):.0f} % of that squared error away')
     return told
 
 

@@ -167,6 +167,8 @@ def test_unknown_and_empty_columns_are_noted(tmp_path):
     (HEADER, [], 'no rows'),
     ('time,motor_speed[rpm]', ROWS, r"'time' has no unit; write it as time\[s\]"),
     ('time[s],motor_speed', ROWS, r"'motor_speed' has no unit; write it as motor_speed\[rpm\]"),
+    ('time[s],motor_speed,load_torque', ROWS, r"columns 'motor_speed', 'load_torque' "
+     r'have no unit; write them as motor_speed\[rpm\], load_torque\[N.m\]'),
     (ROWS[0], ROWS[1:], 'no header'),
     (HEADER, swap(22, '0.20,abc'), r"row 22, column 'motor_speed\[rpm\]'.*'abc'"),
     (HEADER, ['a,b'] * 20, r"row 2, column 'time\[s\]'.*'a'"),
