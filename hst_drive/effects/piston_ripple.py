@@ -18,7 +18,7 @@ def torque(pressure, motor_angle, motor_displacement, pistons, cosine, sine, cos
     one, other = math.cos(angle), math.sin(angle)
     swing = (cosine * one + sine * other + cosine_2 * (2.0 * one * one - 1.0)
              + sine_2 * 2.0 * one * other)
-    return swing * max(pressure, 0.0) * motor_displacement
+    return swing * pressure * motor_displacement
 
 
 def swings(values, pistons):

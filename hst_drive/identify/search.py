@@ -27,7 +27,7 @@ from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.threads import each
 import numpy as np
 
-MOST_EFFECTS = 3
+MOST_EFFECTS = 4
 BEAM = 2            # candidates that are fitted with a Jacobian of their own
 _SHORTLIST = 8
 _PROMISING = 0.7    # of the baseline's cost: then every near start is fitted to its end
@@ -258,7 +258,7 @@ class Search:
         if least:
             # Which of what evidence hardly tells apart comes first is chance.
             beam = [beam[0], *(entry for entry, value in zip(beam[1:], self.odds(
-                beam[0], beam[1:])) if value >= -log(DECIDED))]
+                beam[0], beam[1:])) if value >= -CREDIBLE)]
         # What stands at an end of its range leads on only where nothing else does.
         standing = [entry for entry in beam if entry.score < self.baseline.score] or beam
         return [*{entry.names: entry for candidate in standing

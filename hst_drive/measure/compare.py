@@ -191,6 +191,8 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
     """Return by how much (s) the measurement lags behind the model; 0 where it cannot be told."""
     rate = np.gradient(model, time)
     valid = np.isfinite(measured) & np.isfinite(rate)
+    if not valid.any():
+        return 0.0
     rate, error = rate[valid] - rate[valid].mean(), (model - measured)[valid]
     power = float(rate @ rate)
     if power <= 0:

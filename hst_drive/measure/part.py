@@ -20,7 +20,7 @@ from hst_drive.measure.balances import closed, datasheet_error, is_table, what_w
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import filled
+from hst_drive.measure.readings import filled, gaps
 from hst_drive.measure.recorded_load import DRAWS
 from hst_drive.measure.run import Run, shifted, USUAL
 from hst_drive.measure.turns import into_step
@@ -95,7 +95,8 @@ class PartReplay:
             if np.isfinite(run[name]).sum() < 2:
                 raise InputError(f"{run.source}: channel '{name}' has no readings; leave the "
                                  'column out')
-            self._missing |= ~np.isfinite(run[name])
+            if self.static or name != 'oil_temperature':    # which is slow: gaps are bridged
+                self._missing |= ~np.isfinite(run[name]) if self.static else gaps(run[name])
         self._channels = {name: filled(run[name], hold=CHANNELS[name].hold == 'zero')
                           for name in used}
         if not self.static and 'oil_temperature' in used:
@@ -234,6 +235,8 @@ class PartReplay:
         values = self._smooth(self._channels[name], name)
         spread = int(np.ceil(3 * self._widths[name]))
         unknown = self._missing | self._unjudged(name)
+        if not self._widths[name]:
+            unknown |= ~np.isfinite(self.run[name])
         missing = unknown | (self._smooth(unknown, name) > _UNKNOWN)
         missing[:spread] = True
         missing[len(missing) - spread:] = True

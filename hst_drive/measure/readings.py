@@ -110,6 +110,15 @@ def _seen_step(values: np.ndarray) -> float:
     return float(apart.min()) if 0 < len(apart) < max(_COARSE, _AGAIN * len(values)) else 0.0
 
 
+def gaps(values: np.ndarray) -> np.ndarray:
+    """Say which samples of a channel are missing, other than between those of a slower sensor."""
+    there = np.flatnonzero(np.isfinite(values))
+    ends = np.concatenate([[-1], there, [len(values)]])
+    apart = np.diff(ends)
+    wide = apart > np.median(np.diff(there))
+    return ~np.isfinite(values) & np.repeat(wide, apart)[:len(values)]
+
+
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:
     """Bridge NaN: the last value for commands, a straight line for signals."""
     bad = ~np.isfinite(values)

@@ -83,6 +83,36 @@ def test_the_shuttle_of_a_flushing_valve_may_stand_in_the_middle(healthy):
     assert left[1] == pytest.approx(left[0], rel=0.01)
 
 
+@pytest.mark.parametrize('name, every', [('oil_temperature', 200), ('motor_torque', 5),
+                                         ('pump_torque', 5), ('case_drain_flow', 5)])
+def test_a_slow_sensor_takes_no_rows_of_the_others_away(healthy, name, every):
+    """A logger leaves the cells empty where a channel has no sample; lines join the others."""
+    rig, logs, _ = healthy
+    run = logs['reverse']
+    seldom = np.where(np.arange(len(run)) % every, np.nan, run[name])
+    slow = type(run)('slow', run.time, {**run.channels, name: seldom}, 'slow.csv')
+    whole, found = (compare(model_of(rig, [log]), [log]).signals for log in (run, slow))
+    assert found.keys() == whole.keys()
+    for signal in whole.keys() - {name}:
+        assert found[signal].noise_ratio == pytest.approx(whole[signal].noise_ratio, rel=0.05)
+
+
+def test_a_hole_in_a_reading_is_no_sample_of_a_slower_sensor(healthy):
+    """What follows the pressure is not judged where nobody read it for a second."""
+    rig, logs, _ = healthy
+    run = logs['reverse']
+    hole = (run.time > 20.0) & (run.time < 21.0)
+    gap = np.where(hole, np.nan, run['line_a_pressure'])
+    log = type(run)('gap', run.time, {**run.channels, 'line_a_pressure': gap}, 'gap.csv')
+    replay = replay_of(log, model_of(rig, [run]))
+    whole = replay_of(run, model_of(rig, [run]))
+    for name in ('motor_torque', 'motor_speed'):
+        assert not np.isfinite(replay.run[name][hole]).any()
+        far = np.abs(run.time - 20.5) > 3.0
+        assert np.mean(np.isfinite(replay.run[name][far])) == pytest.approx(
+            np.mean(np.isfinite(whole.run[name][far])), abs=0.02)
+
+
 @pytest.mark.parametrize('name', ['line_a_pressure', 'line_b_pressure'])
 def test_a_gauge_that_is_off_does_not_take_its_own_balance_away(healthy, name):
     """The low line then seems to stand above the charge pressure that fills it."""

@@ -136,6 +136,21 @@ def test_a_formula_reads_the_speed_and_takes_oil_from_the_high_line_once(rig, na
     assert moved_by['case_drain_flow'] == pytest.approx(1e-6 * drained, rel=1e-6)
 
 
+@pytest.mark.parametrize('rig', [CLOSED, VALVE], ids=['closed', 'valve'])
+def test_pistons_give_their_share_of_the_torque_in_either_sense(rig):
+    """The swing is part of displacement times pressure difference, driving and braking."""
+    high, low = np.array([150e5, 20e5, 150e5]), np.array([20e5, 150e5, 20e5])
+    told = {entry.name: np.zeros(3) for entry in circuit_of(rig).states} | {
+        'line_a_pressure': high, 'line_b_pressure': low, 'motor_speed': np.array([9.0, 9.0, -9.0]),
+        'motor_angle': np.array([0.1, 0.3, -0.7])}
+    without, with_it = (CircuitModel(rig, effects).run(0.01 * np.arange(3), {}, told)
+                        for effects in ({}, {'piston_ripple': {'cosine': 0.03}}))
+    displacement = circuit_of(rig).parameters(rig)['motor_displacement']
+    np.testing.assert_allclose(
+        with_it['motor_torque'] - without['motor_torque'], 0.03 * displacement * (high - low)
+        * np.cos((rig.motor.pistons or 7) * told['motor_angle']), rtol=1e-6)
+
+
 def test_a_valve_circuit_has_no_cross_port_relief():
     """Its rig file has none, so nothing of it can crack; oil may pass from line to line."""
     model = CircuitModel(VALVE)

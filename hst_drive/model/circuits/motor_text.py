@@ -95,6 +95,7 @@ def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_t
     # slot load_torque
     motor_torque_loss = motor_torque = 0.0
     # slot motor_torque_loss
+    pressure = difference   # what does not brake goes with the sense of the torque
     # slot motor_torque
     torque = motor_torque + drive - (motor_torque_loss + whole_load_torque) * direction
     braking = opposing_torque * direction + (0.0 if math.isnan(measured) else measured)
