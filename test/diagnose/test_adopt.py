@@ -164,7 +164,7 @@ def test_all_parameters_are_written(tmp_path):
 
 
 def test_of_the_oil_nothing_is_written_that_was_not_told(tmp_path):
-    """A leak's power of the viscosity is a commissioned machine's: others have the formula alone."""
+    """A leak's power of the viscosity is a commissioned machine's; others have none."""
     leak = diagnosis()
     leak['effects'] = [{'id': 'motor_leakage', 'parameters': {
         'conductance': {'value': 1e-12}, 'exponent': {'value': 1.0}}}]
