@@ -21,7 +21,6 @@ PRACTICAL = 0.10        # share of the squared error that is worth a name
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
 SIGNIFICANT = 3.0       # standard errors
-_MOST = 2 / 3           # of the squared error: no other form of what is in already takes that away
 _HELD_OUT = 2.0         # on held-out data, where fitted data have those
 _FORM = 0.2             # of what is in already: below, it may be another form of that
 
@@ -100,18 +99,14 @@ def unharmed(found: Gain) -> bool:
                for name, value in found.sigma.items())
 
 
-def matters(before: Mapping[str, float], after: Mapping[str, float],
-            done: Mapping[str, float]) -> bool:
+def matters(before: Mapping[str, float], after: Mapping[str, float]) -> bool:
     """
     Say whether a model takes a tenth of a signal's squared error, from its noise ratios.
 
-    By less a make is off its formulas. And it is most of what was left, or more than the effects
-    that are in already may be off theirs, of what they do there, rms in floors (``done``).
+    By less a make is off its formulas.
     """
-    return any(share >= _MOST or share >= PRACTICAL
-               and share * first**2 >= (FORMULA_ERROR * done.get(name, 0.0))**2
-               for name, first in before.items() if first > 0.0
-               for share in [1.0 - (after[name] / first)**2])
+    return any(1.0 - (after[name] / first)**2 >= PRACTICAL
+               for name, first in before.items() if first > 0.0)
 
 
 def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:

@@ -173,12 +173,12 @@ class Search:
         asked = CREDIBLE if before.names else self.campaign.odds_asked
         if self.campaign.commissioned_unit:
             return odds > asked
-        done = contribution(self.campaign, self.bare, before.fit)
-        if odds > asked and any(
+        if odds > asked and (before.names or any(
                 matters(*(self.campaign.ratios(entry.fit.errors, part)
-                          for entry in (before, after)), done)
-                for part in parts(self.campaign)):
+                          for entry in (before, after)))
+                for part in parts(self.campaign))):
             return True
+        done = contribution(self.campaign, self.bare, before.fit)
         # The load of a flexible shaft follows rough rock better whether it is there or not.
         return odds > STRONG and not flexible({*after.names} - {*before.names}) and shown(
             *(self.gain(before, after, part) for part in (True, False)), done)

@@ -37,6 +37,7 @@ _LEAST_ROWS = 12
 _CREEPING = 0.05        # as ``useful.refuse_unjudged`` says
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
 _UNKNOWN = 0.05         # of what a smoothed row is made of
+_NOT_NOISE = 0.8        # of the noise that was expected: an error that shows less has less
 _APART = 5.0            # deviations of the Gaussian, from which on rows share no noise
 
 
@@ -295,7 +296,7 @@ class PartReplay:
         """Return the rmse, by signal, that the best model would show: of sensors and its sheet."""
         random = np.random.default_rng(0)
         base = self.predict(model)
-        power = dict.fromkeys(self.signals, 0.0)
+        power, fast = dict.fromkeys(self.signals, 0.0), dict.fromkeys(self.signals, 0.0)
         for _ in range(DRAWS):
             noise = {name: std * random.standard_normal(len(self.run))
                      for name, std in self._input_noise.items()}
@@ -306,6 +307,13 @@ class PartReplay:
                 shift = moved[name] - base[name] - own
                 judged = shift[self.counted(name)]
                 power[name] += float(np.mean(judged**2)) / DRAWS if len(judged) else 0.0
+                fast[name] += steady_noise(judged) / DRAWS
+        if not self.static:
+            # In slow rows motion looks like noise; it is in no error where all signals follow it.
+            for name in self.signals:
+                seen = steady_noise((base[name] - self.run[name])[self.counted(name)])
+                if 0.0 < seen < _NOT_NOISE * fast[name]:
+                    power[name] *= (seen / fast[name])**2
         # No judged row, no floor: the noise stands in, since errors are divided by it.
         return {name: float(np.hypot(np.sqrt(value), self.sheet_error(name))) or self.noise[name]
                 for name, value in power.items()}

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Logs of a part of the drive: the right friction, the right leakage, and what cannot be told."""
 import json
+import math
 
 from hst_drive import cli
 from hst_drive.bag import write_csv
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.errors import InputError
+from hst_drive.identify.part import campaign_of
 from hst_drive.measure.compare import compare, model_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import default_rig, parse_rig
@@ -178,3 +180,17 @@ def test_a_displacement_curve_that_is_off_a_little_is_no_effect(off, waves):
     """No sheet tells a pump's curve to half a percent all along."""
     runs = [benches.drive(off, seed, waves) for seed in (1, 11)]
     assert diagnose(benches.drive_rig(), runs).verdict == 'none'
+
+
+@pytest.mark.parametrize('rate', [200, 10])
+def test_motion_is_no_noise_of_slow_rows(rate):
+    """Of oil that turns the shaft the noise of both meters is left, whatever the shaft does."""
+    time = np.arange(0.0, 120.0, 1.0 / rate)
+    speed = 12.0 + 4.0 * np.sin(2 * math.pi * time / 0.9)
+    run = benches.noisy('restless', time, {
+        'motor_speed': speed, 'motor_inlet_flow': benches.DISPLACEMENT * speed,
+        'motor_inlet_pressure': np.full(len(time), 50e5)}, np.random.default_rng(2))
+    floors, = campaign_of(benches.motor_rig(), [run]).floors
+    assert floors['motor_inlet_flow'] == pytest.approx(math.hypot(
+        benches.NOISE['motor_inlet_flow'],
+        benches.DISPLACEMENT * benches.NOISE['motor_speed']), rel=0.25)
