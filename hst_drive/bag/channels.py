@@ -225,11 +225,11 @@ def is_unit(text: str) -> bool:
 
 def left_out(name: str, known, cutoff: float) -> str:
     """Return the note for a column that is not known, with the known name that is near it."""
-    near = get_close_matches(name, known, n=1, cutoff=cutoff)
+    near = get_close_matches(name.lower(), known, n=1, cutoff=cutoff)
     return (f'column {name!r} is not known; left out'
             + (f' (did you mean {near[0]!r}?)' if near else ''))
 
 
 def _near(word: str, known) -> str:
-    near = get_close_matches(word, list(known), n=1)
+    near = get_close_matches(word.lower(), list(known), n=1)
     return f'; did you mean {near[0]!r}?' if near else '.'

@@ -138,7 +138,8 @@ class PartCampaign(Campaign):
                          key=lambda name: -apart[name])
         if telling:
             named = ' or '.join(f'{CHANNELS[name].title} ({name})' for name in telling)
-            return f'record {named} as well: that tells them apart'
+            return f'record {named} as well: that tells ' + (
+                'them apart' if len(rest) == 1 else 'what was found from each of the others')
         span = ', '.join(CHANNELS[name].title for name in there if name not in self.signals)
         return (f'record more operating points: a wider span of {span} than these logs have may '
                 'tell them apart')

@@ -162,9 +162,9 @@ class Search:
         Say whether the logs ask for what the second candidate has more: they are likelier.
 
         What leaves nothing unexplained need not be likelier, if the evidence does not speak
-        against it. Where nothing was, it must be far likelier (``Campaign.odds_asked``) and, by a
-        datasheet, matter. There short events may ask for it as well, for which the evidence is too
-        careful; but strong it must be.
+        against it. Where nothing was, it must be far likelier (``Campaign.odds_asked``), and what
+        is named first by a datasheet must matter. There short events may ask for it as well, for
+        which the evidence is too careful; but strong it must be.
         """
         odds = float(self.odds(before, [after])[0])
         if self.unexplained(before):
@@ -256,7 +256,7 @@ class Search:
         # Short events may ask for one more effect though the whole is near the noise.
         least = 0.0 if self.unexplained(best) else 0.5 * PRACTICAL
         if least:
-            # Which of what evidence hardly tells apart comes first is chance.
+            # What evidence does not rule out may lead to what is likelier than all.
             beam = [beam[0], *(entry for entry, value in zip(beam[1:], self.odds(
                 beam[0], beam[1:])) if value >= -CREDIBLE)]
         # What stands at an end of its range leads on only where nothing else does.

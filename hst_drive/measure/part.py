@@ -96,8 +96,10 @@ class PartReplay:
             if np.isfinite(run[name]).sum() < 2:
                 raise InputError(f"{run.source}: channel '{name}' has no readings; leave the "
                                  'column out')
-            if self.static or name != 'oil_temperature':    # which is slow: gaps are bridged
-                self._missing |= ~np.isfinite(run[name]) if self.static else gaps(run[name])
+            if self.static:
+                self._missing |= ~np.isfinite(run[name])
+            elif name != 'oil_temperature':     # which is slow: gaps are bridged
+                self._missing |= gaps(run[name])
         self._channels = {name: filled(run[name], hold=CHANNELS[name].hold == 'zero')
                           for name in used}
         if not self.static and 'oil_temperature' in used:

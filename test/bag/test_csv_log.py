@@ -153,6 +153,11 @@ def test_missing_samples_are_kept_and_noted(tmp_path):
     assert any('motor_speed: 2 of 50 samples missing' in note for note in run.notes)
 
 
+def test_a_name_in_other_letters_is_near(tmp_path):
+    run = read_csv(save(tmp_path, HEADER + ',line_A_pressure[bar]', [row + ',1' for row in ROWS]))
+    assert any("did you mean 'line_a_pressure'" in note for note in run.notes), run.notes
+
+
 def test_unknown_and_empty_columns_are_noted(tmp_path):
     rows = [row + ',x,' for row in ROWS]
     run = read_csv(save(tmp_path, HEADER + ',operator,load_torque[N.m]', rows))
