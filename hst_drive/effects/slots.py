@@ -56,7 +56,8 @@ SLOTS: dict[str, Slot] = {
     'loss_pressure': Slot('torque', 'Pa', 'added to the pressure with which the hydromotor loses '
                           'torque'),
     'motor_torque_loss': Slot('torque', 'N.m', 'torque that opposes the hydromotor rotation'),
-    'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign'),
+    'motor_torque': Slot('torque', 'N.m', 'torque added to the hydromotor, of either sign; '
+                         '`pressure` has the sign of its torque there'),
     'gear_twist': Slot('torque', 'rad/(N.m)', 'turn of the hydromotor against the shaft behind '
                        'its gear, per torque'),
     'gear_angle': Slot('torque', 'rad', 'turn of the hydromotor against that shaft'),
