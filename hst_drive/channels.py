@@ -34,6 +34,8 @@ class Channel(NamedTuple):
         Published by default.
     joint : str
         Topic of the JointState that carries it; without one it has a topic of its own.
+    slow : bool
+        Changes in minutes: gaps are bridged, and its sensor's noise is no motion.
     noise : float
         Of a sensor of the usual kind, as a share of the largest value that the drive reaches.
 
@@ -47,6 +49,7 @@ class Channel(NamedTuple):
     publisher: str = 'plant'
     on: bool = False
     joint: str = ''
+    slow: bool = False
     noise: float = 0.0
 
     @property
@@ -69,7 +72,7 @@ CHANNELS: dict[str, Channel] = {entry.name: entry for entry in (
     _command('pump_command', 'V', 'pump displacement command', 'pump', 'controller', True),
     _command('pprv_command', 'V', 'PPRV command', 'pprv', 'load_profile', True),
     _command('speed_setpoint', 'rpm', 'speed set point', 'motor', 'load_profile', True),
-    Channel('oil_temperature', 'degC', 'oil temperature', 'oil', on=True),
+    Channel('oil_temperature', 'degC', 'oil temperature', 'oil', on=True, slow=True),
     Channel('pump_speed', 'rpm', 'pump shaft speed', 'pump', joint='pump', noise=1e-4),
     Channel('pump_outlet_pressure', 'bar', 'pump outlet pressure', 'pump_outlet', on=True,
             noise=6e-4),

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from hst_drive.bag.arrays import columns_of, numbers
-from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, split_header
+from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, picked, split_header
 from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
@@ -147,33 +147,16 @@ def _picks(header: list[str], entries: Mapping[str, Entry], constants: Mapping[s
            path: str, mapped: str) -> tuple[list[tuple[int, Entry, str]], list[str]]:
     """Return column, entry and unit of each quantity, and notes on the columns left out."""
     names = [split_header(cell)[0] for cell in header]
-    wanted = [*entries.values(), *(Entry(name, name) for name in dict.fromkeys(names)
-                                   if name in QUANTITIES and name not in entries)]
-    picks, notes = [], []
-    for entry in wanted:
-        places = [index for index, (cell, name) in enumerate(zip(header, names))
-                  if entry.source in (cell, name)]
-        if not places:
-            near = get_close_matches(entry.source, [*header, *names], n=1)
-            raise InputError(f'{mapped}: {entry.channel}: {path} has no column {entry.source!r}'
-                             + (f'; did you mean {near[0]!r}?' if near else ''))
-        if len(places) > 1:
-            raise InputError(f'{path}: column {entry.source!r} comes twice; keep one')
-        cell = header[places[0]]
-        unit = entry.unit or split_header(cell)[1]
-        if unit is None:
-            raise InputError(f'{path}: column {cell!r} has no unit; write it as '
-                             f'{entry.channel}[{QUANTITIES[entry.channel]}]')
-        picks.append((places[0], entry, check_unit(
-            unit, si_unit(QUANTITIES[entry.channel]), f'{path}: column {cell!r}')))
+    picks = picked([*entries.values(), *(Entry(name, name) for name in dict.fromkeys(names)
+                                         if name in QUANTITIES and name not in entries)],
+                   header, path, mapped, QUANTITIES.__getitem__)
     if not picks:
         raise InputError(f'{path}: none of its columns is known: {", ".join(names)}; expected '
                          f'{", ".join(f"{name}[{unit}]" for name, unit in QUANTITIES.items())}; '
                          'name foreign ones in a channel map: --channels MAP.yaml')
     used = {place for place, _, _ in picks}
-    for index, name in enumerate(names):
-        if index not in used:
-            notes.append(left_out(name, QUANTITIES, 0.75))
+    notes = [left_out(name, QUANTITIES, 0.75)
+             for index, name in enumerate(names) if index not in used]
     both = [entry.channel for _, entry, _ in picks if entry.channel in constants]
     if both:
         raise InputError(f'{mapped}: constants.{both[0]}: {path} has a column for it; give one')

@@ -33,7 +33,7 @@ A map is a YAML file (``config/channels_example.yaml``)::
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 import os
@@ -221,6 +221,42 @@ def is_unit(text: str) -> bool:
         return canonical(text) not in ('1', '')
     except UnitError:
         return False
+
+
+def column_of(entry: Entry, header: Sequence[str], path: str, mapped: str) -> int:
+    """Return the column of an entry of the map ``mapped``; raise InputError without just one."""
+    names = [split_header(cell)[0] for cell in header]
+    for known in (header, names):
+        if known.count(entry.source) > 1:
+            raise InputError(f'{path}: column {entry.source!r} comes twice; keep one')
+        if entry.source in known:
+            return known.index(entry.source)
+    near = get_close_matches(entry.source, [*header, *names], n=1)
+    raise InputError(f'{mapped}: {entry.channel}: {path} has no column {entry.source!r}'
+                     + (f'; did you mean {near[0]!r}?' if near else ''))
+
+
+def picked(entries: Iterable[Entry], header: Sequence[str], path: str, mapped: str,
+           written: Callable[[str], str]) -> list[tuple[int, Entry, str]]:
+    """Return column, entry and unit of each; ``written`` is the unit that people give one in."""
+    picks: list[tuple[int, Entry, str]] = []
+    bare: dict[str, str] = {}
+    for entry in entries:
+        column = column_of(entry, header, path, mapped)
+        cell, usual = header[column], written(entry.channel)
+        name, unit = split_header(cell)
+        unit = entry.unit or unit
+        if unit is None:
+            bare[cell] = f'{name}[{usual}]'
+        else:
+            picks.append((column, entry, check_unit(
+                unit, si_unit(usual), f'{path}: column {cell!r}')))
+    if bare:
+        one = len(bare) == 1
+        raise InputError(f"{path}: {'column' if one else 'columns'} "
+                         f"{', '.join(map(repr, bare))} {'has' if one else 'have'} no unit; write "
+                         f"{'it' if one else 'them'} as {', '.join(bare.values())}")
+    return picks
 
 
 def left_out(name: str, known, cutoff: float) -> str:

@@ -21,7 +21,8 @@ from typing import NamedTuple
 
 from hst_drive.bag.align import finish_run
 from hst_drive.bag.channels import (
-    channel_of, ChannelMap, check_unit, differences, Entry, is_unit, left_out, split_header)
+    channel_of, ChannelMap, check_unit, column_of, differences, Entry, is_unit, left_out, picked,
+    split_header)
 from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
 from hst_drive.bag.stamps import check_time, DATE, seconds, spread
 from hst_drive.channels import CHANNELS
@@ -171,21 +172,11 @@ def picks_of(header: list[str], channel_map: ChannelMap, path: str,
         raise InputError(f'{path}: the first line holds numbers, no header; expected e.g. '
                          'time[s],pump_command[V],motor_speed[rpm]')
     names = [split_header(cell)[0] for cell in header]
-    wanted = [channel_map.time or Entry('time', 'time')]
-    wanted += channel_map.entries.values()
-    wanted += [Entry(name, name) for name in names
-               if name in CHANNELS and name not in channel_map.entries]
-    picks = []
-    for entry in wanted:
-        column = _column(entry, header, names, path, channel_map.source)
-        picks.append((column, entry, _unit(entry, header[column], path)))
-    bare = {header[column]: f'{names[column]}[{channel_of(entry.channel).display}]'
-            for column, entry, unit in picks if not unit}
-    if bare:
-        one = len(bare) == 1
-        raise InputError(f"{path}: {'column' if one else 'columns'} "
-                         f"{', '.join(map(repr, bare))} {'has' if one else 'have'} no unit; write "
-                         f"{'it' if one else 'them'} as {', '.join(bare.values())}")
+    picks = [_time_of(channel_map, header, path), *picked([
+        *channel_map.entries.values(),
+        *(Entry(name, name) for name in names
+          if name in CHANNELS and name not in channel_map.entries)],
+        header, path, channel_map.source, lambda name: channel_of(name).display)]
     if len(picks) == 1:
         near = [f'{name} ({match[0]}?)' for name in names
                 if (match := get_close_matches(name, CHANNELS, n=1))]
@@ -198,30 +189,18 @@ def picks_of(header: list[str], channel_map: ChannelMap, path: str,
     return picks
 
 
-def _column(entry: Entry, header: list[str], names: list[str], path: str, source: str) -> int:
-    for known in (header, names):
-        if known.count(entry.source) > 1:
-            raise InputError(f'{path}: column {entry.source!r} comes twice; keep one')
-        if entry.source in known:
-            return known.index(entry.source)
-    if source and entry.source != 'time':
-        near = get_close_matches(entry.source, [*header, *names], n=1)
-        hint = f'; did you mean {near[0]!r}?' if near else ''
-        raise InputError(f'{source}: {entry.channel}: {path} has no column {entry.source!r}{hint}')
-    raise InputError(f'{path}: has no column time[s]; its columns are '
-                     f'{", ".join(header)[:_SHOWN]}. Rename one, name it under "time" in '
-                     'a channel map, or delete the lines above the header')
-
-
-def _unit(entry: Entry, cell: str, path: str) -> str:
-    """Return the unit of a column; '' where neither the map nor its header tells one."""
-    if entry.unit:
-        return entry.unit
-    si = 's' if entry.channel == 'time' else channel_of(entry.channel).unit
-    unit = split_header(cell)[1]
-    if unit is None:
-        return DATE if entry.channel == 'time' else ''
-    return check_unit(unit, si, f'{path}: column {cell!r}')
+def _time_of(channel_map: ChannelMap, header: list[str],
+             path: str) -> tuple[int, Entry, str]:
+    """Return column, entry and unit of the time; without a unit it holds dates."""
+    entry = channel_map.time or Entry('time', 'time')
+    if entry.source == 'time' and 'time' not in [split_header(cell)[0] for cell in header]:
+        raise InputError(f'{path}: has no column time[s]; its columns are '
+                         f'{", ".join(header)[:_SHOWN]}. Rename one, name it under "time" in '
+                         'a channel map, or delete the lines above the header')
+    column = column_of(entry, header, path, channel_map.source)
+    unit = entry.unit or split_header(header[column])[1]
+    return column, entry, DATE if unit is None else check_unit(
+        unit, 's', f'{path}: column {header[column]!r}')
 
 
 def _parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],

@@ -98,7 +98,7 @@ def _explains(search: Search, best: Candidate, alone: Fit, left: Container[str],
     if left or len(best.names) > 1:
         return better(search, best, alone, freed, left, simpler=True)
     # Below the floor nothing is left that a number could be the cause of.
-    return limited(freed, alone) < limited(search.campaign, best.fit) and beyond_noise(
+    return {*limited(freed, alone)} < {*limited(search.campaign, best.fit)} and beyond_noise(
         freed, alone) < beyond_noise(search.campaign, best.fit) and better(
         search, best, alone, freed, left)
 

@@ -49,7 +49,7 @@ def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
 
 def _relieves(search: Search, found: Candidate) -> bool:
     """Say whether a set takes the unit off one of the limits at which it is without."""
-    return limited(search.campaign, found.fit) < limited(search.campaign, search.base)
+    return {*limited(search.campaign, found.fit)} < {*limited(search.campaign, search.base)}
 
 
 def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],

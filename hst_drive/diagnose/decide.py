@@ -248,20 +248,16 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
     if not best.names:
         return {}
     standing = {entry for group in rivals.values() for entry in group}
-    told: dict[str, str] = {}
+    named = 'what was found' if len(best.names) > 1 else best.names[0]
+    found, told = search.campaign.ratios(best.fit.errors, True), {}
     for entry in ranking[:6]:
         if entry.id in best.names or entry.id in standing:
             continue
-        candidate = search.single(entry.id)
-        found = search.gain(candidate, best)
-        if not found.amount:
-            continue    # too little is held out
-        worst = max(found.amount, key=found.amount.__getitem__)
-        ratios = search.campaign.ratios(candidate.fit.errors, True)
-        told[entry.id] = (
-            f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times the noise; '
-            f'{"what was found" if len(best.names) > 1 else best.names[0]} takes '
-            f'{100 * max(found.share[worst], 0):.0f} % of that squared error away')
+        ratios = search.campaign.ratios(search.single(entry.id).fit.errors, True)
+        if ratios:      # else too little is held out
+            worst = max(ratios, key=lambda name: ratios[name]**2 - found[name]**2)
+            told[entry.id] = (f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times '
+                              f'the noise, {named} at {times(found[worst])}')
     return told
 
 

@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import count as count_from
 from types import MappingProxyType
-from typing import (
-    Callable, Collection, Iterable, Iterator, KeysView, Mapping, NamedTuple, Sequence)
+from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
@@ -270,10 +269,10 @@ def at_limit(campaign: Campaign, key: str, value: float) -> bool:
     return abs(value) > (SIGMAS - 0.01) * {**campaign.tolerances, **campaign.zeros}[key]
 
 
-def limited(campaign: Campaign, fitted: Fit) -> KeysView[str]:
+def limited(campaign: Campaign, fitted: Fit) -> list[str]:
     """Return the quantities, and channels with a zero, that are as far off as they may be."""
-    return {key: value for key, value in {**fitted.model.factors, **fitted.model.zeros}.items()
-            if at_limit(campaign, key, value)}.keys()
+    return [key for key, value in {**fitted.model.factors, **fitted.model.zeros}.items()
+            if at_limit(campaign, key, value)]
 
 
 def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:

@@ -1,19 +1,47 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The error that a perfect model would still show in a replay of the whole drive."""
+"""The error that a perfect model would still show in a replay."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from hst_drive.measure.balances import BALANCES, datasheet_error
-from hst_drive.measure.noise import estimate_coloured
+from hst_drive.measure.noise import estimate_coloured, steady_noise
 from hst_drive.measure.readings import filled
+from hst_drive.measure.recorded_load import DRAWS
 from hst_drive.measure.run import BLOCK
 from hst_drive.model import Drive
+from hst_drive.model.part import PartModel
 import numpy as np
 
 if TYPE_CHECKING:
+    from hst_drive.measure.part import PartReplay
     from hst_drive.measure.replay import Replay
+
+_NOT_NOISE = 0.8        # of the noise that was expected: an error that shows less has less
+
+
+def part_floor(replay: PartReplay, model: PartModel) -> dict[str, float]:
+    """Return the rmse, by signal, that the best model of a part would show."""
+    random, base = np.random.default_rng(0), replay.predict(model)
+    drawn = {name: [] for name in replay.signals}
+    for _ in range(DRAWS):
+        inputs, own = replay.draw_noise(random)
+        moved = replay.predict(model, inputs)
+        for name in replay.signals:
+            drawn[name].append((moved[name] - base[name] - own[name])[replay.counted(name)])
+    power = {name: float(np.mean(np.square(shifts))) if np.size(shifts) else 0.0
+             for name, shifts in drawn.items()}
+    if not replay.static:
+        # In slow rows motion looks like noise; it is in no error where all signals follow it.
+        for name, shifts in drawn.items():
+            seen = steady_noise((base[name] - replay.run[name])[replay.counted(name)])
+            expected = float(np.mean([steady_noise(entry) for entry in shifts]))
+            if 0.0 < seen < _NOT_NOISE * expected:
+                power[name] *= (seen / expected)**2
+    # No judged row, no floor: the noise stands in, since errors are divided by it.
+    return {name: float(np.hypot(np.sqrt(value), replay.sheet_error(name)))
+            or replay.noise[name] for name, value in power.items()}
 
 
 def replay_floor(replay: Replay, drive: Drive,

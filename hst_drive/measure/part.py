@@ -19,9 +19,9 @@ from hst_drive.errors import InputError
 from hst_drive.measure.balances import closed, datasheet_error, is_table, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
+from hst_drive.measure.floor import part_floor
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import filled, gaps
-from hst_drive.measure.recorded_load import DRAWS
+from hst_drive.measure.readings import bridged, gaps
 from hst_drive.measure.run import Run, shifted, USUAL
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
@@ -37,7 +37,6 @@ _LEAST_ROWS = 12
 _CREEPING = 0.05        # as ``useful.refuse_unjudged`` says
 _BOTH = 0.05            # of the rows: so many in either direction tell it from the other
 _UNKNOWN = 0.05         # of what a smoothed row is made of
-_NOT_NOISE = 0.8        # of the noise that was expected: an error that shows less has less
 _APART = 5.0            # deviations of the Gaussian, from which on rows share no noise
 
 
@@ -98,14 +97,10 @@ class PartReplay:
                                  'column out')
             if self.static:
                 self._missing |= ~np.isfinite(run[name])
-            elif name != 'oil_temperature':     # which is slow: gaps are bridged
+            elif not CHANNELS[name].slow:
                 self._missing |= gaps(run[name])
-        self._channels = {name: filled(run[name], hold=CHANNELS[name].hold == 'zero')
-                          for name in used}
-        if not self.static and 'oil_temperature' in used:
-            width = max(1.0 / run.sample_time, 1.0)
-            self._channels['oil_temperature'] = gaussian_filter1d(
-                self._channels['oil_temperature'], width)
+        self._channels = {name: bridged(
+            name, run[name], np.inf if self.static else run.sample_time) for name in used}
         self.inputs = {name: self._channels[name] for name in (
             'pump_command', 'pprv_command', 'oil_temperature') if name in used}
         if 'motor_speed' in used and not self.static:
@@ -171,7 +166,7 @@ class PartReplay:
             if sensor is None or sensor.noise_std <= 0:
                 return 0.0
             return float(np.hypot(sensor.noise_std, step))
-        if CHANNELS[name].hold == 'zero' or name == 'oil_temperature':
+        if CHANNELS[name].hold == 'zero' or CHANNELS[name].slow:
             return 0.0
         return max(steady_noise(self.run[name]), step)
 
@@ -296,29 +291,17 @@ class PartReplay:
 
     def floor(self, model: PartModel, count: np.ndarray | None = None) -> dict[str, float]:
         """Return the rmse, by signal, that the best model would show: of sensors and its sheet."""
-        random = np.random.default_rng(0)
-        base = self.predict(model)
-        power, fast = dict.fromkeys(self.signals, 0.0), dict.fromkeys(self.signals, 0.0)
-        for _ in range(DRAWS):
-            noise = {name: std * random.standard_normal(len(self.run))
-                     for name, std in self._input_noise.items()}
-            moved = self.predict(model, noise)
-            for name in self.signals:
-                # A signal that is predicted reads other noise than the one it predicts from.
-                own = self._smooth(self.noise[name] * random.standard_normal(len(self.run)), name)
-                shift = moved[name] - base[name] - own
-                judged = shift[self.counted(name)]
-                power[name] += float(np.mean(judged**2)) / DRAWS if len(judged) else 0.0
-                fast[name] += steady_noise(judged) / DRAWS
-        if not self.static:
-            # In slow rows motion looks like noise; it is in no error where all signals follow it.
-            for name in self.signals:
-                seen = steady_noise((base[name] - self.run[name])[self.counted(name)])
-                if 0.0 < seen < _NOT_NOISE * fast[name]:
-                    power[name] *= (seen / fast[name])**2
-        # No judged row, no floor: the noise stands in, since errors are divided by it.
-        return {name: float(np.hypot(np.sqrt(value), self.sheet_error(name))) or self.noise[name]
-                for name, value in power.items()}
+        return part_floor(self, model)
+
+    def draw_noise(self, random: np.random.Generator) -> tuple[
+            dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """Draw noise of what signals are predicted from, and of themselves as compared, SI."""
+        def drawn(std: float) -> np.ndarray:
+            return std * random.standard_normal(len(self.run))
+
+        # A signal that is predicted reads other noise than the one it predicts from.
+        return ({name: drawn(std) for name, std in self._input_noise.items()},
+                {name: self._smooth(drawn(self.noise[name]), name) for name in self.signals})
 
     def sheet_error(self, name: str) -> float:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""

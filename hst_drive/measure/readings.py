@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from typing import Mapping
 
+from hst_drive.channels import CHANNELS
 from hst_drive.measure.noise import noise_std
 from hst_drive.measure.run import Run
 from hst_drive.rig.rig import Sensor
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
 _LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what rounding makes
 _COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
@@ -117,6 +118,14 @@ def gaps(values: np.ndarray) -> np.ndarray:
     apart = np.diff(ends)
     wide = apart > np.median(np.diff(there))
     return ~np.isfinite(values) & np.repeat(wide, apart)[:len(values)]
+
+
+def bridged(name: str, values: np.ndarray, sample_time: float) -> np.ndarray:
+    """Bridge the gaps of a channel; of a slow one smooth its sensor's noise away, too."""
+    values = filled(values, hold=CHANNELS[name].hold == 'zero')
+    # Operating points have no time.
+    smooth = CHANNELS[name].slow and np.isfinite(sample_time)
+    return gaussian_filter1d(values, max(1.0 / sample_time, 1.0)) if smooth else values
 
 
 def filled(values: np.ndarray, hold: bool = False) -> np.ndarray:

@@ -22,7 +22,7 @@ from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
 from hst_drive.measure.oscillation import shaking
-from hst_drive.measure.readings import filled, Readings
+from hst_drive.measure.readings import bridged, filled, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
 from hst_drive.measure.speed import measured_speed
@@ -32,7 +32,6 @@ from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.drive import turned
 from hst_drive.rig.rig import STANDSTILL
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 SIGNALS: tuple[str, ...] = (
     'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_outlet_pressure', 'motor_inlet_flow',
@@ -99,9 +98,7 @@ class Replay(RecordedLoad):
         temperature = run.channels.get('oil_temperature')
         if temperature is None:
             temperature = np.full(len(time), drive.rig.characterised_at)
-        # The oil's temperature is slow: its sensor's noise is not part of the motion.
-        width = max(1.0 / run.sample_time, 1.0)
-        temperature = gaussian_filter1d(filled(temperature), width)
+        temperature = bridged('oil_temperature', temperature, run.sample_time)
         self.inputs |= {'oil_temperature': temperature,
                         'viscosity_ratio': drive.rig.viscosity_ratio(temperature)}
         self.noise = {name: self.readings.noise(name, run[name]) for name in self.signals}
