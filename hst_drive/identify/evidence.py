@@ -255,11 +255,17 @@ def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
         return 0.0
     total = 0.0
     for name, signal in signals.items():
-        own = _as_share(signal, share, sensors[name].sheet)
-        right, wrong = (_added(own + likelihoods(pieces, sensors[name], True)) for pieces in (
-            [np.zeros_like(errors) for errors in signal.pieces], signal.pieces))
-        total += right - wrong
+        sensor = sensors[name]
+        own = _as_share(signal, share, sensor.sheet)
+        right = sum(len(errors) * _of_truth(sensor, errors.shape[1]) for errors in signal.pieces)
+        total += _added(own + right) - _added(own + likelihoods(signal.pieces, sensor, True))
     return weight(len(signals)) * total
+
+
+@lru_cache(maxsize=256)
+def _of_truth(sensor: Sensor, count: int) -> np.ndarray:
+    """Return ``likelihoods`` that are expected of the truth, for a piece of so many means."""
+    return likelihoods([np.zeros((1, count))], sensor, True)
 
 
 def _added(logarithms: np.ndarray | Sequence[float]) -> float:

@@ -130,7 +130,8 @@ class _Shows:
         It gives the expected log odds, what the size costs of them, and the greatest share of a
         signal's squared error that the effect takes. The typical size moves errors by ``move``.
         """
-        target = np.linalg.solve(self._root.T, self._factors.T @ move)
+        across, square = self._factors.T @ move, move @ move
+        target = np.linalg.solve(self._root.T, across)
         # By signal the pieces that the effect moves, each with those that the unit does.
         moved = {name: [(own, np.array(unit).reshape(-1, *own.shape)) for own, *unit in zip(
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
@@ -144,13 +145,15 @@ class _Shows:
                                        for own, known in pieces), 0.0)
                     for name, pieces in moved.items()}
             strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
-            rest = move + self._factors @ taken / share
+            # Squared, of what the typical size moves beyond what the unit takes up.
+            off = taken / share
+            rest = square + 2.0 * across @ off + np.sum((self._root @ off)**2) - off @ off
             # What is judged on counts as 0 there.
             power = self._more * max((float(np.mean(np.concatenate(
                 [*map(np.ravel, entry.pieces)])**2)) for entry in left.values()), default=0.0)
             return 0.5 * float(strained) + self._more * expected_odds(
                 left, self._means.sensors, 0.0), -laplace(
-                    self._weight * np.array([[rest @ rest]]), np.array([False]),
+                    self._weight * np.array([[rest]]), np.array([False]),
                     np.array([range_of(share, both_ways)]), np.array([share])), (
                         power / (1.0 + power))
 
