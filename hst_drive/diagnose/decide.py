@@ -125,7 +125,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         probability=posterior(search, best, rivals, verdict), unknown=remaining,
         next_test=_measure(search, best, strained) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
-        rivals={**_why_lost(search, best, rivals, ranking),
+        rivals={**_why_lost(search, best, rivals, ranking, ladder[-1].holdout),
                 **{name: entry.told for name, entry in better.items()}},
         rig=rig.source or rig.name, rig_digest=rig.digest,
         logs=tuple(run.source for run in logs),
@@ -243,21 +243,21 @@ def _ranking(search: Search) -> tuple[Ranked, ...]:
 
 
 def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]],
-              ranking: Sequence[Ranked]) -> dict[str, str]:
-    """Say of the nearest candidates why they are not the answer."""
+              ranking: Sequence[Ranked], left: Mapping[str, float]) -> dict[str, str]:
+    """Say of the nearest candidates why they are not the answer, which leaves ``left``."""
     if not best.names:
         return {}
     standing = {entry for group in rivals.values() for entry in group}
     named = 'what was found' if len(best.names) > 1 else best.names[0]
-    found, told = search.campaign.ratios(best.fit.errors, True), {}
+    told = {}
     for entry in ranking[:6]:
         if entry.id in best.names or entry.id in standing:
             continue
         ratios = search.campaign.ratios(search.single(entry.id).fit.errors, True)
         if ratios:      # else too little is held out
-            worst = max(ratios, key=lambda name: ratios[name]**2 - found[name]**2)
+            worst = max(ratios, key=lambda name: ratios[name]**2 - left[name]**2)
             told[entry.id] = (f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times '
-                              f'the noise, {named} at {times(found[worst])}')
+                              f'the noise, {named} at {times(left[worst])}')
     return told
 
 
