@@ -8,6 +8,7 @@ from typing import Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
+from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
 from hst_drive.identify.search import Candidate, Search
@@ -57,6 +58,7 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     """
     Return the likeliest of ``best`` and the sets with a rival in the place of an effect.
 
+    Where the rival does not stand, what is left of several effects is likelier than ``best``.
     ``of_unit``: of those that take the unit off a limit, as ``best`` does.
     """
     wanted = _exchanged(best, rivals)
@@ -71,7 +73,8 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     if first is best:
         return best
     found = standing(search, first)
-    stands = found.names in wanted and not search.unexplained(found) and (
+    of_several = found.names and {*found.names} < {*best.names}
+    stands = (found.names in wanted or of_several) and not search.unexplained(found) and (
         not of_unit or _relieves(search, found))
     return found if stands else best
 
@@ -79,10 +82,12 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
 def rivals_of(search: Search, first: Candidate, best: Candidate,
               rivals: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
     """
-    Return the rivals of a set in which a rival took the place of an effect of ``best``.
+    Return the rivals of a set that has effects of ``best``, perhaps a rival for one of them.
 
-    Those of the other effects are as they were beside that.
+    Those of the other effects are as they were beside that one.
     """
+    if {*first.names} < {*best.names}:
+        return {name: alternatives(search, first, name) for name in first.names}
     (new,), (out,) = {*first.names} - {*best.names}, {*best.names} - {*first.names}
     group = [out if entry == new else entry for entry in rivals[out]]
     kept = first.fit.without(new)

@@ -26,7 +26,6 @@ from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
-from hst_drive.rig.rig import OPEN
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
@@ -60,10 +59,8 @@ class Campaign:
     open_forms = False      # True: an adopted leak may grow in another form than it was adopted in
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
-        # In a closed circuit a share of the flow is its sheet's error instead.
-        logs = (*runs, *holdout)
         self.expected, self.tolerances, self.ties, self.oil, self.torque_off = prior(
-            rig, logs, self.by_balance and rig.circuit == OPEN)
+            rig, (*runs, *holdout))
         self.rig = replace(rig, effects=self.oil.brought(rig.effects), calibration={
             **rig.calibration, **{key: rig.calibration.get(key, 1.0) * factor
                                   for key, factor in self.expected.items()}})

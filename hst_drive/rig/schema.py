@@ -191,8 +191,8 @@ TOLERANCES: tuple[str, ...] = (
 UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
                             'pump.displacement_between_points': 0.2,
                             'loading.pprv_between_points': 0.2}
-# Where the balances of an open drive are judged one by one: a flow is measured to 0.5 % (ISO 4409,
-# class A), and so much are all the waves of a curve off together.
+# In an open circuit: a flow is measured to 0.5 % (ISO 4409, class A), and so much are all the waves
+# of a curve off together. In a closed one a share of the flow is its sheet's error instead.
 UNTOLD_WAVES: dict[str, float] = dict.fromkeys(WAVES, 0.003)
 
 # Written suffix -> unit of the table in units.py, to recognise a key in another unit.

@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Machines as authors of other simulators wrote them (bench/frozen, unseen): other forms, rigs."""
+from dataclasses import replace
 from test.diagnose.unseen import unseen
 
 from bench import doses_frozen
@@ -9,6 +10,8 @@ from hst_drive.bag import read_log
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.rig import default_rig, load_rig, parse_rig
+from hst_drive.rig.rig import Curve
+import numpy as np
 import pytest
 
 
@@ -37,6 +40,17 @@ def test_oil_that_stiffens_and_straight_curves_are_the_unit(tmp_path):
         1 / 1.08, abs=0.02)
     for name in ('pump.displacement_between_points', 'loading.pprv_between_points'):
         assert factors[name].factor == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.needs_numba
+def test_a_displacement_curve_that_is_off_in_waves_is_the_unit(tmp_path):
+    """Half a percent at both ends and in the middle was a suction_starvation."""
+    rig, logs, held_out = unseen(5003, tmp_path)
+    sheet = rig.pump.displacement
+    share = (sheet.x - sheet.x[0]) / np.ptp(sheet.x)
+    off = Curve(sheet.x, sheet.y * (1 + 0.005 * np.cos(2 * np.pi * share)))
+    found = diagnose(replace(rig, pump=replace(rig.pump, displacement=off)), logs, held_out)
+    assert found.verdict == 'none'
 
 
 @pytest.mark.needs_numba

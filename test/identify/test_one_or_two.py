@@ -60,3 +60,18 @@ def test_of_what_logs_hardly_tell_apart_a_change_of_what_is_known_comes_first(
         tried=lambda: [gauge, friction], unexplained=lambda found: {})
     rivals = {'pressure_sensor_bias': ('bearing_friction',)}
     assert choose.likeliest(search, gauge, rivals).names == (first,)
+
+
+def test_of_two_effects_one_is_left_where_no_rival_stands_for_the_other(monkeypatch):
+    """It stood only beside a worse fit of the first alone."""
+    alone, both, instead = (Candidate(names, None, 0.0) for names in (
+        ('accumulator',), ('accumulator', 'entrained_air'), ('accumulator', 'gearbox_loss')))
+    monkeypatch.setattr(choose, 'log_odds', lambda search, sets: np.array([0.0, 6.0]))
+    monkeypatch.setattr(choose, 'standing', lambda search, found: alone)
+    search = SimpleNamespace(
+        campaign=SimpleNamespace(faults=()), refine=lambda found: found,
+        tried=lambda: [alone, both, instead], unexplained=lambda found: {})
+    rivals = {'accumulator': (), 'entrained_air': ('gearbox_loss',)}
+    assert choose.likeliest(search, both, rivals) is alone
+    monkeypatch.setattr(choose, 'alternatives', lambda search, best, name: ('shaft_compliance',))
+    assert choose.rivals_of(search, alone, both, rivals) == {'accumulator': ('shaft_compliance',)}
