@@ -1,20 +1,31 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Which of the sets that were fitted is the answer."""
+"""What is searched for, and which of the sets that were fitted is the answer."""
 from __future__ import annotations
 
 from math import log
-from typing import Mapping, Sequence
+from typing import Callable, Container, Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.identify.alternatives import alternatives
+from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
 from hst_drive.identify.fit import limited
+from hst_drive.identify.observable import Visibility, visibility
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, weigh
 import numpy as np
+
+
+def searched(campaign: Campaign, progress: Callable[[str], None]) -> tuple[
+        Search, list[Visibility]]:
+    """Return the search for what these logs may show, and how well they show each effect."""
+    search = Search(campaign, [], progress)
+    seen = visibility(campaign, search.base, campaign.candidates())
+    search.candidates = tuple(entry.id for entry in seen if entry.tried)
+    return search, seen
 
 
 def posterior(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
@@ -31,6 +42,25 @@ def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tupl
     """Return the sets with a rival, or the unit alone, in the place of an effect."""
     return {tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
             for name, group in rivals.items() for rival in group}
+
+
+def off_its_curve(search: Search, best: Candidate, left: Container[str]) -> Campaign | None:
+    """
+    Return the campaign of a pump that is off its curve, if then an effect less will do.
+
+    ``left`` are the signals that the set leaves unexplained. Of a machine that was commissioned,
+    and where balances are judged one by one, the curve's waves are known, or the unit's already.
+    """
+    campaign = search.campaign
+    if campaign.by_balance or campaign.commissioned_unit or not (best.names or left):
+        return None
+    wavy = Search(campaign.doubted(), search.candidates, search.progress)
+    full = wavy.refine(wavy.try_all([(best.names, best.fit)], 'doubting the curve')[0])
+    fewer = wavy.try_all([({*best.names} - {name}, full.fit.without(name))
+                          for name in best.names], 'doubting the curve')
+    will_do = left and not wavy.unexplained(full) or any(
+        not wavy.unexplained(rest) and not wavy.asked(rest, full) for rest in fewer)
+    return wavy.campaign if will_do else None
 
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:

@@ -11,7 +11,8 @@ from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
-from hst_drive.diagnose.choose import instead_of_the_unit, likeliest, posterior, rivals_of
+from hst_drive.diagnose.choose import (
+    instead_of_the_unit, likeliest, off_its_curve, posterior, rivals_of, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
@@ -26,7 +27,6 @@ from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes, limited
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.model import Model
-from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
@@ -70,10 +70,12 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     sheet = fit(campaign, Model(), iterations=0)
     if not campaign.ratios(sheet.errors, True):
         _refuse_short(campaign, logs)
-    search = Search(campaign, [], progress)
-    seen = visibility(campaign, search.base, campaign.candidates())
-    search.candidates = tuple(entry.id for entry in seen if entry.tried)
+    search, seen = searched(campaign, progress)
     best, left, better, more = _explained(search)
+    wavy = off_its_curve(search, best, left)
+    if wavy:
+        search, seen = searched(wavy, progress)
+        best, left, better, more = _explained(search)
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))

@@ -26,6 +26,8 @@ from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
+from hst_drive.rig.schema import DOUBTED_WAVES
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
@@ -59,8 +61,10 @@ class Campaign:
     open_forms = False      # True: an adopted leak may grow in another form than it was adopted in
 
     def __init__(self, rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = ()):
+        # In a closed circuit a share of the flow is its sheet's error instead.
+        logs = (*runs, *holdout)
         self.expected, self.tolerances, self.ties, self.oil, self.torque_off = prior(
-            rig, (*runs, *holdout))
+            rig, logs, self.by_balance and rig.circuit == OPEN)
         self.rig = replace(rig, effects=self.oil.brought(rig.effects), calibration={
             **rig.calibration, **{key: rig.calibration.get(key, 1.0) * factor
                                   for key, factor in self.expected.items()}})
@@ -228,6 +232,10 @@ class Campaign:
     def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
         """Return the campaign that sizes are taken from, for a model that leaves these errors."""
         return self
+
+    def doubted(self) -> Campaign:
+        """Return the campaign of a pump whose curve may be off its sheet's in waves."""
+        return self._changed(tolerances={**DOUBTED_WAVES, **self.tolerances})
 
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""

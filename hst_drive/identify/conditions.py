@@ -13,7 +13,6 @@ from hst_drive.effects.slots import LEAKS
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 from hst_drive.rig.fingerprint import CONDITIONS
-from hst_drive.rig.rig import OPEN
 from hst_drive.rig.schema import UNTOLD, UNTOLD_WAVES
 from hst_drive.units import from_si
 import numpy as np
@@ -102,18 +101,17 @@ def moved(effects: Effects, scales: Mapping[str, float]) -> dict[str, dict[str, 
     return leaks
 
 
-def prior(rig: Rig, runs: Sequence[Run]) -> Prior:
+def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     """
     Return what is known of the unit's factors, beside ``rig.calibration``.
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
     leakages are known no better than the power with which they follow the viscosity: any, or one
     that was learnt; so it is where a leak was adopted in other oil. Its torque losses are less
-    well known, too.
+    well known, too. With ``waves`` those of the pump's displacement are asked for.
     """
     sigmas = {key: value for key, value in {
-        **UNTOLD, **(UNTOLD_WAVES if rig.circuit == OPEN else {}), **rig.scatter}.items()
-        if value > 0}
+        **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
     reach = _reach('oil_temperature', runs, (50.0,))
     ratio = float(rig.viscosity_ratio(reach[0])) if reach else 0.0
     if not rig.fingerprint:
