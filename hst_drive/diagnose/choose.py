@@ -49,12 +49,16 @@ def off_its_curve(search: Search, best: Candidate, left: Container[str]) -> Camp
     Return the campaign of a pump that is off its curve, if then an effect less will do.
 
     ``left`` are the signals that the set leaves unexplained. Of a machine that was commissioned,
-    and where balances are judged one by one, the curve's waves are known, or the unit's already.
+    and where balances are judged one by one, the curve's waves are known, or the unit's already;
+    so they are where the rig file says of them.
     """
     campaign = search.campaign
     if campaign.by_balance or campaign.commissioned_unit or not (best.names or left):
         return None
-    wavy = Search(campaign.doubted(), search.candidates, search.progress)
+    doubted = campaign.doubted()
+    if not doubted:
+        return None
+    wavy = Search(doubted, search.candidates, search.progress)
     full = wavy.refine(wavy.try_all([(best.names, best.fit)], 'doubting the curve')[0])
     fewer = wavy.try_all([({*best.names} - {name}, full.fit.without(name))
                           for name in best.names], 'doubting the curve')

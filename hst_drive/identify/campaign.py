@@ -233,9 +233,10 @@ class Campaign:
         """Return the campaign that sizes are taken from, for a model that leaves these errors."""
         return self
 
-    def doubted(self) -> Campaign:
-        """Return the campaign of a pump whose curve may be off its sheet's in waves."""
-        return self._changed(tolerances={**DOUBTED_WAVES, **self.tolerances})
+    def doubted(self) -> Campaign | None:
+        """Return the campaign of a pump off its curve in waves; None if the rig says of them."""
+        waves = {key: sigma for key, sigma in DOUBTED_WAVES.items() if key not in self.rig.scatter}
+        return self._changed(tolerances={**waves, **self.tolerances}) if waves else None
 
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""

@@ -1,6 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """One effect, or two that look like it together: a friction that falls and a drag that rises."""
+from dataclasses import replace
 from types import SimpleNamespace
 
 from bench.campaigns import as_runs
@@ -8,9 +9,12 @@ from hst_drive.diagnose import choose
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Candidate, Search
+from hst_drive.rig import default_rig
+from hst_drive.rig.schema import DOUBTED_WAVES, WAVES
 import numpy as np
 import pytest
 
+from ..measure.synthetic import record
 from ..truth import make_campaign
 
 CANDIDATES = ('back_pressure', 'bearing_friction', 'stribeck_friction', 'viscous_drag')
@@ -75,3 +79,16 @@ def test_of_two_effects_one_is_left_where_no_rival_stands_for_the_other(monkeypa
     assert choose.likeliest(search, both, rivals) is alone
     monkeypatch.setattr(choose, 'alternatives', lambda search, best, name: ('shaft_compliance',))
     assert choose.rivals_of(search, alone, both, rivals) == {'accumulator': ('shaft_compliance',)}
+
+
+@pytest.mark.needs_numba
+def test_what_the_rig_file_says_of_the_curve_is_not_doubted():
+    """A tolerance stays; 0 says that the curve was measured."""
+    stated = dict(zip(WAVES, (0.004, 0.0)))
+    rig = replace(default_rig(), tolerances={**default_rig().tolerances, **stated})
+    runs = [record(3, duration=12.0)]
+    tolerances = Campaign(rig, runs).doubted().tolerances
+    assert tolerances[WAVES[0]] == 0.004 and WAVES[1] not in tolerances
+    assert tolerances[WAVES[2]] == DOUBTED_WAVES[WAVES[2]]
+    known = replace(rig, tolerances={**rig.tolerances, **dict.fromkeys(WAVES, 0.0)})
+    assert Campaign(known, runs).doubted() is None
