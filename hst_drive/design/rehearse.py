@@ -9,7 +9,6 @@ from hst_drive.load.scenario import Scenario
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank, usual_sensors
 import numpy as np
-from scipy.signal import lfilter
 
 INPUTS = ('pump_command', 'pprv_command', 'oil_temperature')
 _RATE = 100.0           # samples per second
@@ -36,6 +35,8 @@ def rehearse(drive: Drive, scenario: Scenario, seed: int) -> Run:
         All channels of ``usual_sensors`` and the inputs, SI.
 
     """
+    from scipy.signal import lfilter    # here: a diagnosis seldom needs it, and it loads long
+
     rig, random = drive.rig, np.random.default_rng([seed, 1])
     time = np.arange(int(round(scenario.duration * _RATE))) / _RATE
     decay = np.exp(-1.0 / _RATE / _ROUGH_TIME)

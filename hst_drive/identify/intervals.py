@@ -19,7 +19,7 @@ from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import Unknowns
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 
 class Spread(NamedTuple):
@@ -96,7 +96,7 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}
     """
     found = spread(campaign, fitted, forms)
     unknowns, values = found.unknowns, found.unknowns.mix(found.vector)
-    width = norm.ppf(0.975) * np.sqrt(np.diag(
+    width = ndtri(0.975) * np.sqrt(np.diag(
         unknowns.mix(unknowns.mix(found.covariance).T)))
     away = values - unknowns.mix(found.before)
     first = {(name, next(iter(shape))) for name, shape in fitted.model.effects.items()}

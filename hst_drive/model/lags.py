@@ -36,16 +36,24 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
         Most that it rises and falls, units of the target per second.
 
     """
-    out, value = np.empty(len(time)), target[0]
     steps = np.append(np.diff(time), 0.0)
     up, down = (-np.expm1(-steps / entry) for entry in (
         lag, lag if back_lag is None else back_lag))
-    if rate == back_rate == math.inf and back_lag in (None, lag) and len(time) > 1:
+    if rate == back_rate == math.inf and len(time) > 1:
         from scipy.linalg import solve_banded     # late: nodes start without it
 
-        # Linear: each row from the one before, as a system of equations.
-        known = np.append(target[:1], up[:-1] * target[:-1])
-        return solve_banded((1, 0), [np.ones(len(time)), up - 1.0], known, check_finite=False)
+        # Linear, but for the lag of each step: a system of equations. Each solution tells these
+        # for one step more at least.
+        rising = np.ones(len(time), dtype=bool)
+        for _ in time:
+            share = np.where(rising, up, down)
+            out = solve_banded((1, 0), [np.ones(len(time)), share - 1.0], np.append(
+                target[:1], share[:-1] * target[:-1]), check_finite=False)
+            before, rising = rising, target > out
+            if back_lag in (None, lag) or np.array_equal(before, rising):
+                break
+        return out
+    out, value = np.empty(len(time)), target[0]
     for k, goal in enumerate(target):
         out[k] = value
         move = (goal - value) * (up[k] if goal > value else down[k])

@@ -5,6 +5,7 @@ import math
 
 from hst_drive.errors import InputError
 from hst_drive.model import Drive
+from hst_drive.model.lags import follow
 from hst_drive.model.steady import linearise, operating_point
 from hst_drive.rig import default_rig
 import numpy as np
@@ -186,3 +187,16 @@ def test_energy_is_conserved(record):
     assert np.max(np.abs(missing)) < 1e-3 * cumulated(time, given)[-1]
     # The turn-over of stored energy is small beside what flows through: hold it, too.
     assert np.max(np.abs(missing)) < 1e-2 * np.ptp(stored)
+
+
+@pytest.mark.parametrize('limits', [(), (1e12, 1e12)])     # as equations, and step by step
+def test_a_lag_of_its_own_on_the_way_back_is_an_exponential_each_way(limits):
+    time = np.cumsum(np.random.default_rng(3).uniform(0.001, 0.02, 2000))
+    time -= time[0]
+    back = time[1000]
+    found = follow(time, np.where((time > 0) & (time < back), 1.0, 0.0), 0.4, *limits,
+                   back_lag=1.5)
+    top = -math.expm1(-(back - time[1]) / 0.4)
+    assert found == pytest.approx(np.where(
+        time < back, -np.expm1(-np.maximum(time - time[1], 0.0) / 0.4),
+        top * np.exp(-np.maximum(time - back, 0.0) / 1.5)), abs=1e-12)
