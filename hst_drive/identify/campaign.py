@@ -304,14 +304,6 @@ class Campaign:
         return np.concatenate([(error * column.weight)[column.fit] * self.thinning(column)
                                for error, column in zip(errors, self.columns)])
 
-    def without_events(self, residual: np.ndarray) -> np.ndarray:
-        """Say which of the errors to fit on are not in the worst blocks (``events``)."""
-        block = self.fitted_blocks()
-        used, block = np.unique(block, return_inverse=True)
-        power = np.bincount(block, residual**2)
-        worst = np.argsort(power)[len(used) - int(np.ceil(self._spoilt() * len(used))):]
-        return ~np.isin(block, worst)
-
     def fitted_blocks(self) -> np.ndarray:
         """Return the number of its block for each sample of ``training``."""
         return np.concatenate([self._block[column.log][column.fit] for column in self.columns])

@@ -25,7 +25,6 @@ import numpy as np
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
-_MOVES = (0.1, -0.1, 0.03, -0.03)   # of one parameter
 _MOST, _FALLS = 20, 0.1     # steps; of the cost, that a step beyond those asked for must gain
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 FORM = 0.04     # of a size, relative standard deviation: no machine follows a formula exactly
@@ -110,7 +109,7 @@ def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
 
 def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({}),
-        refresh: bool = False, trimmed: bool = False, kept: Collection[tuple[str, str]] = (),
+        refresh: bool = False, kept: Collection[tuple[str, str]] = (),
         progress: Callable[[str], None] = lambda text: None) -> Fit:
     """
     Fit the unit's factors and the parameters of the effects that are on.
@@ -132,9 +131,6 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         Columns of the Jacobian from a nearby model (``Fit.columns``); saves most of the work.
     refresh : bool
         Form the whole Jacobian anew at the end, for intervals.
-    trimmed : bool
-        Leave out the few seconds where the model is off most, in each step anew: a drive that
-        stalls only in the model stands in the way of all steps else.
     kept : collection of (str, str)
         What stays as ``start`` has it (``Unknowns``).
     progress : callable
@@ -148,17 +144,13 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         progress(f'fitting: {next(replays)} replays')
         return campaign.errors(unknowns.unpack(vector), to_fit=True)
 
-    def used(residual: np.ndarray) -> np.ndarray | slice:
-        return campaign.without_events(residual) if trimmed else slice(None)
-
     def linearised() -> Linearised:
-        rows = used(residual)
-        return Linearised(residual[rows], jacobian[rows], vector, unknowns.factors)
+        return Linearised(residual, jacobian, vector, unknowns.factors)
 
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
     errors = errors_at(vector)
     residual = campaign.training(errors)
-    cost = cost_of(unknowns, vector, residual[used(residual)])
+    cost = cost_of(unknowns, vector, residual)
     everything = list(range(len(vector)))
     own = [k for k in everything if unknowns.names[k] not in known]
     jacobian = np.zeros((len(vector), len(residual))).T
@@ -176,10 +168,10 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
             formed = here = True
             linear = linearised()
         reached = None
-        for trial, damping in _trials(linear, unknowns, vector, damping, refresh):
+        for trial, damping in _trials(linear, unknowns, vector, damping):
             trial_errors = errors_at(trial)
             moved = campaign.training(trial_errors)
-            trial_cost = cost_of(unknowns, trial, moved[used(moved)])
+            trial_cost = cost_of(unknowns, trial, moved)
             if trial_cost < cost:
                 reached, damping = trial, max(damping / 10, 1e-9)
                 break
@@ -203,11 +195,14 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
             break
     if refresh and not (here and own == everything):
         jacobian = differences(campaign, unknowns, vector, errors, everything, errors_at)
-    if trimmed:
-        cost = cost_of(unknowns, vector, residual)      # to be compared with others
     model = unknowns.unpack(vector)
     return Fit(model, campaign.errors(model, known=errors), cost, unknowns.names, jacobian,
                jacobian.T @ jacobian)
+
+
+def calibrated(campaign: Campaign) -> Fit:
+    """Return the fit of the unit's factors alone, as deep as it goes."""
+    return fit(campaign, Model(), iterations=5, refresh=True)
 
 
 def for_sizes(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
@@ -231,30 +226,22 @@ def for_sizes(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
     return own, fit(own, fitted.model, kept=kept | ran, refresh=True) if ran else found
 
 
-def _trials(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: float,
-            patient: bool) -> Iterator[tuple[np.ndarray, float]]:
+def _trials(linear: Linearised, unknowns: Unknowns, vector: np.ndarray,
+            damping: float) -> Iterator[tuple[np.ndarray, float]]:
     """
     Yield vectors to try until one lowers the cost, and the damping that they came from.
 
     All unknowns are moved at once; then the unit alone, and the effects alone: what shifts the
-    drive's ringing by a part of its period bars the way for all else. ``patient``: then also one
-    parameter after the other, over the ripples that such shifts leave in the cost.
+    drive's ringing by a part of its period bars the way for all else.
     """
     for _ in range(_TRIES):
         yield vector + _step(linear, unknowns, vector, damping), damping
         damping = max(damping * 100, 1e-3)
-    count = len(vector)
-    if not 0 < unknowns.factors < count:
+    if not 0 < unknowns.factors < len(vector):
         return
-    for moved in (slice(unknowns.factors), slice(unknowns.factors, count)):
+    for moved in (slice(unknowns.factors), slice(unknowns.factors, len(vector))):
         for damping in (1e-6, 1e-3):
             yield vector + _step(linear, unknowns, vector, damping, moved), damping
-    for k in range(unknowns.factors, count if patient else 0):
-        for share in _MOVES:
-            trial = vector.copy()
-            trial[k] = np.clip(vector[k] * (1 + share), unknowns.low[k], unknowns.high[k])
-            if trial[k] != vector[k]:
-                yield trial, 1e-3
 
 
 def _step(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: float,

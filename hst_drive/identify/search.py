@@ -8,14 +8,14 @@ that is asked afterwards (``standing``), and what could stand in its place (``al
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of, flexible
-from hst_drive.identify.calibrate import calibrated, without_adopted
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
-from hst_drive.identify.fit import ended, Fit, fit, score
+from hst_drive.identify.fit import calibrated, ended, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, Gain, gain, matters, parts, PRACTICAL, shown, unexplained)
 from hst_drive.identify.model import Model
@@ -65,7 +65,10 @@ class Search:
         self.candidates = tuple(candidates)
         self.progress = progress
         self.base = calibrated(campaign)
-        self.bare = without_adopted(campaign, self.base)
+        # What the rig has adopted is an effect of its own, too.
+        self.bare = self.base._replace(errors=campaign.errors(replace(
+            self.base.model, effects={name: effect_of(name).neutral for name in campaign.adopted}
+        ))) if campaign.adopted else self.base
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}
