@@ -113,3 +113,27 @@ def test_a_sensor_that_would_tell_rivals_apart_is_named(tmp_path):
     named = {*re.findall(r'\((\w+)\)', said[0])}
     assert named == {'motor_inlet_flow', 'case_drain_flow'}
     assert 'case_drain_flow' not in said[1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', [28001, 28002])
+def test_a_servo_valve_before_the_plate_takes_a_part_of_its_lag(tmp_path, seed):
+    """A sheet tells one lag for both; a seventh of it is the valve's."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', 'pump_lag=0.17',
+                                '--seed', str(seed))
+    whole = rig.pump.displacement_lag + truth['si_parameters']['extra_lag']
+    rig = replace(rig, pump=replace(rig.pump, displacement_lag=whole))
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert {entry.id for entry in found.effects} <= {'leakage_temperature'}
+    assert found.verdict != 'unknown'
+
+
+@pytest.mark.slow
+def test_an_actuator_that_is_slower_than_that_is_still_named(tmp_path):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', 'pump_lag=0.5',
+                                '--seed', '28003')
+    held_out = logs.pop('holdout')
+    found = {entry.id: entry for entry in diagnose(rig, list(logs.values()), [held_out]).effects}
+    lag = found['pump_lag'].parameters['time_constant']
+    assert lag.low < truth['si_parameters']['extra_lag'] < lag.high
