@@ -413,7 +413,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
         pump_command = raw_command
         pump_play = pump_play_softness = pump_play_spread = 0.0
         pump_lag = p[P_displacement_lag]
-        pump_series_lag = pump_stroke_time = pump_stroke_asymmetry = 0.0
+        pump_series_lag = max(p[P_displacement_series_lag] - 1.0, 0.0) * pump_lag
+        pump_stroke_time = pump_stroke_asymmetry = 0.0
         if actuator:
             # slot pump_command
             # slot pump_play
@@ -438,8 +439,6 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
             play = wide_play = pump_command
         last_command = whole_command
         shortest_lag = min(pump_lag, p[P_pprv_lag])
-        if pump_series_lag > 0.0:
-            shortest_lag = min(shortest_lag, pump_series_lag)
         rate = back_rate = 0.0
         if pump_stroke_time > 0.0:
             rate = max_displacement / pump_stroke_time * (1.0 + pump_stroke_asymmetry)
@@ -468,6 +467,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
 
         if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
             pilot_aim = target
+        if abs(pilot_aim - target) > PILOT_SETTLED * max_displacement:
+            shortest_lag = min(shortest_lag, pump_series_lag)
 
         interval = time[min(k + 1, n - 1)] - time[k]
         span = min(interval, max_step)

@@ -25,8 +25,11 @@ NAMES: tuple[str, ...] = (
     'pprv_lag', 'pprv_override', 'pprv_reference_flow', 'characterised_at',
     'displacement_between_points', 'pprv_between_points', 'lowest_command', 'command_range',
     'displacement_wave_1', 'displacement_wave_2', 'displacement_wave_3',
+    'displacement_series_lag',
 )
 WAVED: dict[str, str] = {key: key.partition('.')[2] for key in WAVES}
+# What the pump's actuator has beside a curve and a lag; neutral at 1.
+ACTUATOR: dict[str, str] = {**WAVED, 'pump.displacement_series_lag': 'displacement_series_lag'}
 SCALED: dict[str, str] = {
     'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
     'line.bulk_modulus': 'bulk_modulus',
@@ -40,7 +43,7 @@ SCALED: dict[str, str] = {
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
     'pump.displacement_between_points': 'displacement_between_points',
-    'loading.pprv_between_points': 'pprv_between_points', **WAVED,
+    'loading.pprv_between_points': 'pprv_between_points', **ACTUATOR,
 }
 TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
                            'LOAD_EFFICIENCY', 'PPRV_PRESSURE', 'DISPLACEMENT_BULGE', 'PPRV_BULGE')
@@ -78,7 +81,7 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'pprv_override': loading.pprv_override,
         'pprv_reference_flow': loading.pprv_reference_flow,
         'characterised_at': rig.characterised_at, 'displacement_between_points': 1.0,
-        'pprv_between_points': 1.0, **wave_numbers(pump.displacement),
+        'pprv_between_points': 1.0, **actuator_numbers(pump.displacement),
     }
     for key, factor in rig.calibration.items():
         values[SCALED[key]] *= factor
@@ -107,10 +110,10 @@ def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
                      bulge(pump.displacement), bulge(loading.pprv_pressure)))
 
 
-def wave_numbers(curve: Curve) -> dict[str, float]:
-    """Return the numbers of ``waved``: where a curve begins, how long it is, and no waves."""
+def actuator_numbers(curve: Curve) -> dict[str, float]:
+    """Return where the pump's curve begins, how long it is, and that nothing is beside it."""
     return {'lowest_command': curve.x[0], 'command_range': float(np.ptp(curve.x)) or 1.0,
-            **dict.fromkeys(WAVED.values(), 1.0)}
+            **dict.fromkeys(ACTUATOR.values(), 1.0)}
 
 
 def bulge(curve: Curve) -> Curve:

@@ -22,7 +22,7 @@ from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import waved
 from hst_drive.model.lags import behind_play, follow
-from hst_drive.model.parameters import wave_numbers, WAVED
+from hst_drive.model.parameters import actuator_numbers, WAVED
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
 import numpy as np
@@ -206,9 +206,10 @@ class PartModel:
             command = np.mean([behind_play(command, 0.5 * play * (1.0 + side), softness, rests)
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self._yielding(command, known)
-        lag = self.factor('pump.displacement_lag') * pump.displacement_lag + float(
-            np.max(self.terms('pump_lag', known)))
-        series = float(np.max(self.terms('pump_series_lag', known)))
+        own = self.factor('pump.displacement_lag') * pump.displacement_lag
+        lag = own + float(np.max(self.terms('pump_lag', known)))
+        series = max(self.factor('pump.displacement_series_lag') - 1.0, 0.0) * own + float(
+            np.max(self.terms('pump_series_lag', known)))
         if series > 0:
             # What follows holds its input between samples: it gets the mean.
             steps = np.diff(time, append=np.inf)
@@ -226,7 +227,7 @@ class PartModel:
         """Return the displacement (m^3/rad) on which the plate settles under pressure."""
         curve = self.rig.pump.displacement
         asked = self.factor('pump.displacement_vs_command') * evaluate(waved, {
-            **wave_numbers(curve), 'value': curve(command), 'command': command,
+            **actuator_numbers(curve), 'value': curve(command), 'command': command,
             **{number: self.factor(key) for key, number in WAVED.items()}})
         return np.maximum(asked - self.terms('pump_yield', {**known, 'displacement': asked}), 0.0)
 

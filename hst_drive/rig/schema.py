@@ -183,14 +183,17 @@ TOLERANCES: tuple[str, ...] = (
     'loading.pump_mechanical_efficiency', 'loading.pprv_pressure', 'loading.pprv_lag',
     'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
     'gear.efficiency', 'valve.rated_flow', 'valve.lag', 'line.compressibility_under_pressure',
-    'pump.displacement_between_points', 'loading.pprv_between_points', *WAVES,
+    'pump.displacement_between_points', 'loading.pprv_between_points',
+    'pump.displacement_series_lag', *WAVES,
 )
 # What a datasheet does not tell and differs in any machine, by so much unless a file says
 # otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its
-# points a curve is anything from straight to smooth.
+# points a curve is anything from straight to smooth; before the plate stands a valve or an
+# amplifier, and one lag is told for both.
 UNTOLD: dict[str, float] = {'line.compressibility_under_pressure': 0.07,
                             'pump.displacement_between_points': 0.2,
-                            'loading.pprv_between_points': 0.2}
+                            'loading.pprv_between_points': 0.2,
+                            'pump.displacement_series_lag': 0.1}
 # Where the balances of an open drive are judged one by one: a flow is measured to 0.5 % (ISO 4409,
 # class A), and so much are all the waves of a curve off together.
 UNTOLD_WAVES: dict[str, float] = dict.fromkeys(WAVES, 0.003)

@@ -17,7 +17,7 @@ from hst_drive.model.circuits.motor_text import (
     TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.kernel_template import waved
-from hst_drive.model.parameters import wave_numbers, WAVED
+from hst_drive.model.parameters import ACTUATOR, actuator_numbers
 from hst_drive.rig import Rig
 
 _MARGIN = 0.015     # of the relief pressure: so far above the charge pressure a line is high
@@ -35,7 +35,8 @@ def hold(pump_command, interval, memory, p, on, cells, layout):
     """
     pump_play = pump_play_softness = pump_play_spread = 0.0
     pump_lag = p[P_displacement_lag]
-    pump_series_lag = pump_stroke_time = pump_stroke_asymmetry = 0.0
+    pump_series_lag = max(p[P_displacement_series_lag] - 1.0, 0.0) * pump_lag
+    pump_stroke_time = pump_stroke_asymmetry = 0.0
     max_displacement = p[P_max_displacement]
     # slot pump_command
     # slot pump_play
@@ -244,7 +245,7 @@ def numbers(rig: Rig) -> dict[str, float]:
     pump, charge, relief = rig.pump, rig.charge, rig.cross_port_relief
     set_pressure = relief.set_pressure if relief else _USUAL
     return {
-        **motor_numbers(rig), **wave_numbers(pump.displacement),
+        **motor_numbers(rig), **actuator_numbers(pump.displacement),
         'pump_shaft_speed': pump.shaft_speed, 'max_displacement': pump.max_displacement,
         'displacement_lag': pump.displacement_lag, 'displacement_scale': 1.0,
         'pump_leakage_scale': 1.0, 'relief_set_pressure': set_pressure,
@@ -286,7 +287,7 @@ CIRCUIT = Circuit(
     scaled={'pump.displacement_vs_command': 'displacement_scale',
             'pump.displacement_lag': 'displacement_lag', 'pump.leakage': 'pump_leakage_scale',
             'charge.relief_pressure': 'charge_relief',
-            'charge.pump_displacement': 'charge_displacement', **SCALED, **WAVED},
+            'charge.pump_displacement': 'charge_displacement', **SCALED, **ACTUATOR},
     states=(State('pump_displacement', 'm^3/rad'),
             State('line_a_pressure', 'Pa', 'charge_relief', least=_EMPTY),
             State('line_b_pressure', 'Pa', 'charge_relief', least=_EMPTY),
