@@ -16,7 +16,7 @@ from hst_drive.diagnose.choose import (
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
-from hst_drive.diagnose.sentence import beyond, limits, listed, sentence, times
+from hst_drive.diagnose.sentence import beyond, limits, listed, nearly, sentence, times
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
@@ -110,12 +110,14 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                else 'ambiguous' if ambiguous else 'missing_effect')
     # What is named beside a sensor that drifts may be the drift.
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
+    given = posterior(search, best, rivals, verdict)
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), strained,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            *mend, odd, said, several, '' if or_none else limits(verdict, strained),
+            *mend, odd, said, '' if or_none else nearly(given, verdict, effects), several,
+            '' if or_none else limits(verdict, strained),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
@@ -124,7 +126,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
         calibration=_calibration(campaign, best.fit), zeros=_zeros(campaign, best.fit),
-        probability=posterior(search, best, rivals, verdict), unknown=remaining,
+        probability=given, unknown=remaining,
         next_test=_measure(search, best, strained) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking, ladder[-1].holdout),

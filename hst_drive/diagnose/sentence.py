@@ -9,7 +9,7 @@ from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
 from hst_drive.effects import catalogue
 from hst_drive.identify.conditions import Outside
-from hst_drive.identify.evidence import Probability
+from hst_drive.identify.evidence import DECIDED, Probability
 from hst_drive.identify.judge import CLEAN_RATIO
 from hst_drive.units import for_people
 
@@ -116,6 +116,20 @@ def odds(found: Probability) -> str:
     rest = sum(share for _, share in shares if share < 0.01)
     return ', '.join(f'{what} {share:.2f}' if share < 0.995 else f'{what} above 0.99'
                      for what, share in (*told, *([('all others', rest)] if rest >= 0.01 else ())))
+
+
+def nearly(found: Probability, verdict: str, effects: Sequence[Found]) -> str:
+    """Tell what else is as probable, by odds hardly worth a mention; '' if nothing is."""
+    names = {entry.id for entry in effects}
+    said = [names, *(names - {entry.id} | {rival} - {UNIT_ALONE} for entry in effects
+                     for rival in entry.indistinguishable_from)]
+    shares = [(f'{listed(entry)} alone', share, verdict != 'unknown' and {*entry} in said)
+              for entry, share in found.sets]
+    shares += [('that nothing is missing', found.none, verdict != 'unknown' and set() in said),
+               ('something that is not listed', found.unknown, verdict == 'unknown')]
+    what, most, _ = max((entry for entry in shares if not entry[2]), key=lambda item: item[1])
+    return f'But {what} is nearly as probable ({most:.2f}).' if DECIDED * most > sum(
+        share for _, share, own in shares if own) else ''
 
 
 def listed(names: Sequence[str], last: str = 'and') -> str:
