@@ -109,6 +109,10 @@ class Search:
         shapes = shapes_of(names)
         found = [fit(self.campaign, model, known=start.columns, kept=shapes)
                  for model in self._starts(names, start.model)]
+        if not found:
+            new, = {*names} - {*start.model.effects}
+            typical = start.model.with_effect(new, self.campaign.typical(new))
+            return self.candidate(names, fit(self.campaign, typical, iterations=0))
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.

@@ -29,7 +29,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     that leaves less; and what the effect is alone. Or the orders of the swings that are left.
     What is not fitted yet starts at the size that would leave least if errors grew in proportion
     to it. A resonance starts where the torque alone says; if the torque is nearer without the
-    effect, its typical form is enough. Of an effect that declares no form the best is enough.
+    effect, nowhere. Of an effect that declares no form the best is enough.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     many = len(declared) > _MANY
     near = _near(campaign, base, [shaped(entry) for entry in declared]) if many else []
     if many and not near:
-        return [shaped({})]
+        return []
     promising = partial(_promising, campaign, factors,
                         campaign.training(campaign.errors(base, to_fit=True)), name)
     if many:

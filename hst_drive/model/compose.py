@@ -42,7 +42,7 @@ CONSTANTS = {
     'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance
     'LINE_FAR_SHARE': USUAL_FAR,      # of that volume lies behind the mass of its oil
     'LINE_FASTEST': 1000.0,           # rad/s; a line that swings faster cannot be told from none
-    'PILOT_SETTLED': 1e-4,            # of full stroke: nearer, what stands before the plate rests
+    'PILOT_SETTLED': 1e-6,            # of full stroke: nearer, what stands before the plate rests
     'LINE_STEP': 0.7,                 # of the time in which it swings by a radian
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia

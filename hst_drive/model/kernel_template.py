@@ -467,7 +467,8 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
 
         if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
             pilot_aim = target
-        if abs(pilot_aim - target) > PILOT_SETTLED * max_displacement:
+        piloted = abs(pilot_aim - target) > PILOT_SETTLED * max_displacement
+        if piloted:
             shortest_lag = min(shortest_lag, pump_series_lag)
 
         interval = time[min(k + 1, n - 1)] - time[k]
@@ -545,7 +546,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
                     if k == n - 1:
                         break
                 aim = target
-                if pump_series_lag > 0.0:
+                if piloted:
                     # The lag before the swash plate's own: exact, since the command holds.
                     aim += pilot_share * (pilot_aim - target) * math.exp(
                         -(elapsed + pilot_stages * ahead) / pump_series_lag)
