@@ -30,7 +30,7 @@ def add_log_arguments(parser: argparse.ArgumentParser, *, default: str = '') -> 
 def add_holdout_argument(parser: argparse.ArgumentParser) -> None:
     """Declare --holdout."""
     parser.add_argument('--holdout', metavar='LOG', action='append', default=[],
-                        help='judge on this log (repeatable; default: a third of each LOG)')
+                        help='judge on this other log (repeatable; default: a third of each LOG)')
 
 
 def add_since_argument(parser: argparse.ArgumentParser) -> None:
