@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from math import log
-from typing import Callable, Container, Mapping, Sequence
+from typing import Callable, Collection, Container, Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
@@ -28,17 +28,13 @@ def searched(campaign: Campaign, progress: Callable[[str], None]) -> tuple[
     return search, seen
 
 
-def posterior(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-              verdict: str) -> Probability:
-    """
-    Return how probable each set is, given the verdict, too: it knows which rows were held out.
-
-    ``rivals`` are what could stand in the place of each effect of the set that was found.
-    """
-    return decided(weigh(search, best), verdict, [best.names, *_exchanged(best, rivals)])
+def posterior(search: Search, best: Candidate, verdict: str,
+              named: Collection[tuple[str, ...]]) -> Probability:
+    """Return how probable each set is, given the answer: it knows which rows were held out."""
+    return decided(weigh(search, best), verdict, named)
 
 
-def _exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple[str, ...]]:
+def exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple[str, ...]]:
     """Return the sets with a rival, or the unit alone, in the place of an effect."""
     return {tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
             for name, group in rivals.items() for rival in group}
@@ -95,7 +91,7 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     Where the rival does not stand, what is left of several effects is likelier than ``best``.
     ``of_unit``: of those that take the unit off a limit, as ``best`` does.
     """
-    wanted = _exchanged(best, rivals)
+    wanted = exchanged(best, rivals)
     if not wanted:
         return best
     sets = [best, *(search.refine(entry) for entry in search.tried() if entry.names in wanted)]

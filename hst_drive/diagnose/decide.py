@@ -12,7 +12,7 @@ from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import (
-    instead_of_the_unit, likeliest, off_its_curve, posterior, rivals_of, searched)
+    exchanged, instead_of_the_unit, likeliest, off_its_curve, posterior, rivals_of, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
@@ -110,13 +110,14 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                else 'ambiguous' if ambiguous else 'missing_effect')
     # What is named beside a sensor that drifts may be the drift.
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
-    given = posterior(search, best, rivals, verdict)
+    named = {best.names, *exchanged(best, rivals)} if verdict != 'unknown' else set()
+    given = posterior(search, best, verdict, named)
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), strained,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            *mend, odd, said, '' if or_none else nearly(given, verdict, effects), several,
+            *mend, odd, said, '' if or_none else nearly(given, verdict, named), several,
             '' if or_none else limits(verdict, strained),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),

@@ -3,7 +3,7 @@
 """The sentence that a diagnosis begins with, and how its numbers are told."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+from typing import Collection, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Found, Step, UNIT_ALONE, Unknown
@@ -118,18 +118,15 @@ def odds(found: Probability) -> str:
                      for what, share in (*told, *([('all others', rest)] if rest >= 0.01 else ())))
 
 
-def nearly(found: Probability, verdict: str, effects: Sequence[Found]) -> str:
-    """Tell what else is as probable, by odds hardly worth a mention; '' if nothing is."""
-    names = {entry.id for entry in effects}
-    said = [names, *(names - {entry.id} | {rival} - {UNIT_ALONE} for entry in effects
-                     for rival in entry.indistinguishable_from)]
-    shares = [(f'{listed(entry)} alone', share, verdict != 'unknown' and {*entry} in said)
-              for entry, share in found.sets]
-    shares += [('that nothing is missing', found.none, verdict != 'unknown' and set() in said),
-               ('something that is not listed', found.unknown, verdict == 'unknown')]
+def nearly(found: Probability, verdict: str, named: Collection[tuple[str, ...]]) -> str:
+    """Tell what else than the sets named is as probable, by odds hardly worth a mention, or ''."""
+    shares = [(f'{listed(names)} {"together are" if len(names) > 1 else "alone is"}', share,
+               names in named) for names, share in found.sets]
+    shares += [('that nothing is missing is', found.none, () in named),
+               ('something that is not listed is', found.unknown, verdict == 'unknown')]
     what, most, _ = max((entry for entry in shares if not entry[2]), key=lambda item: item[1])
-    return f'But {what} is nearly as probable ({most:.2f}).' if DECIDED * most > sum(
-        share for _, share, own in shares if own) else ''
+    said = sum(share for _, share, own in shares if own)
+    return f'But {what} nearly as probable.' if DECIDED * most > said > 0.0 else ''
 
 
 def listed(names: Sequence[str], last: str = 'and') -> str:

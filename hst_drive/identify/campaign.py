@@ -27,7 +27,7 @@ from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
-from hst_drive.rig.schema import DOUBTED_WAVES
+from hst_drive.rig.schema import DOUBTED_WAVES, ONE_SIDED
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
@@ -134,6 +134,11 @@ class Campaign:
             return replace(found, low=-found.high)
         return found
 
+    def least(self, key: str) -> float:
+        """Return the least that a factor (natural logarithm) may be: there it is of nothing."""
+        return -float(np.log(max(self.rig.calibration.get(key, 1.0), 1.0))) \
+            if key in ONE_SIDED else -np.inf
+
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters of an effect to start from."""
         entries = [self.parameter(name, entry.name)
@@ -196,8 +201,8 @@ class Campaign:
         return any(replay.stamp_std > _SLOW_STAMPS for replay in self.replays
                    if name != replay.torque)
 
-    def _spoilt(self, name: str = '') -> float:
-        """Return the share of the blocks, of one signal or all, that single events may spoil."""
+    def _spoilt(self, name: str) -> float:
+        """Return the share of a signal's blocks that single events may spoil."""
         return _SLOW_EVENTS if self.slow(name) else self.events
 
     @staticmethod

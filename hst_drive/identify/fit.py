@@ -201,7 +201,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
 
 
 def calibrated(campaign: Campaign) -> Fit:
-    """Return the fit of the unit's factors alone, as deep as it goes."""
+    """Return the fit of the unit's factors alone."""
     return fit(campaign, Model(), iterations=5, refresh=True)
 
 

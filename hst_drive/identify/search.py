@@ -112,7 +112,8 @@ class Search:
         if not found:
             new, = {*names} - {*start.model.effects}
             typical = start.model.with_effect(new, self.campaign.typical(new))
-            return self.candidate(names, fit(self.campaign, typical, iterations=0))
+            return self.candidate(names, fit(self.campaign, typical, iterations=0,
+                                             known=start.columns).light())
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.

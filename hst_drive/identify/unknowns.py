@@ -51,7 +51,7 @@ class Unknowns:
         self.factors = len(factors)     # of the unit; they come first
         self._root = symmetric_root([[campaign.ties.get((one, other), float(one == other))
                                       for _, other in factors] for _, one in factors])
-        self._parameter = campaign.parameter
+        self._parameter, self._least = campaign.parameter, campaign.least
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]
         self.bounds = np.array(limits).reshape(-1, 2)       # SI
@@ -65,7 +65,8 @@ class Unknowns:
 
     def _limits(self, effect: str, key: str) -> tuple[float, float]:
         if not effect:
-            return -SIGMAS * self.tolerances[key], SIGMAS * self.tolerances[key]
+            most = SIGMAS * self.tolerances[key]
+            return max(-most, self._least(key)), most
         parameter = self._parameter(effect, key)
         return parameter.low, parameter.high
 

@@ -467,6 +467,7 @@ def simulate(time, pump_commands, pprv_commands, oil_temperatures, viscosity_rat
 
         if pump_series_lag <= 0.0 or math.isnan(pilot_aim):
             pilot_aim = target
+        # At rest steps may come from history.
         piloted = abs(pilot_aim - target) > PILOT_SETTLED * max_displacement
         if piloted:
             shortest_lag = min(shortest_lag, pump_series_lag)

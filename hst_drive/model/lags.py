@@ -42,8 +42,8 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
     if rate == back_rate == math.inf and len(time) > 1:
         from scipy.linalg import solve_banded     # late: nodes start without it
 
-        # Linear, but for the lag of each step: a system of equations. Each solution tells these
-        # for one step more at least.
+        # Linear, but for the lag of each step: a system of equations. Each solution tells the
+        # right lag of at least one more step.
         rising = np.ones(len(time), dtype=bool)
         for _ in time:
             share = np.where(rising, up, down)

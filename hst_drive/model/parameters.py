@@ -111,7 +111,7 @@ def baseline_tables(rig: Rig) -> tuple[np.ndarray, np.ndarray]:
 
 
 def actuator_numbers(curve: Curve) -> dict[str, float]:
-    """Return where the pump's curve begins, how long it is, and that nothing is beside it."""
+    """Return the first command and the length of the pump's curve; neither waves nor a lag."""
     return {'lowest_command': curve.x[0], 'command_range': float(np.ptp(curve.x)) or 1.0,
             **dict.fromkeys(ACTUATOR.values(), 1.0)}
 

@@ -34,6 +34,9 @@ class Linear:
     def fits(self, name, key):
         return True
 
+    def least(self, key):
+        return -np.inf
+
     def parameter(self, name, key):
         return catalogue()[name].parameter(key)
 
