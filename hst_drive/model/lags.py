@@ -19,6 +19,14 @@ def behind_play(command: np.ndarray, half: float, softness: float, start: float)
     return behind
 
 
+def held_share(series_lag, lag, interval):
+    """Return which share of what a lag is ahead by moves the next one as far, if it is held."""
+    if abs(lag - series_lag) < 1e-3 * lag:
+        series_lag = 0.998 * lag    # where both are alike the formula is 0 over 0
+    kept, gone = math.exp(-interval / series_lag), math.exp(-interval / lag)
+    return series_lag / (lag - series_lag) * (gone - kept) / (1.0 - gone)
+
+
 def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
            back_rate: float = math.inf, back_lag: float | None = None) -> np.ndarray:
     """

@@ -21,7 +21,7 @@ from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import waved
-from hst_drive.model.lags import behind_play, follow
+from hst_drive.model.lags import behind_play, follow, held_share
 from hst_drive.model.parameters import actuator_numbers, WAVED
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
@@ -211,10 +211,10 @@ class PartModel:
         series = max(self.factor('pump.displacement_series_lag') - 1.0, 0.0) * own + float(
             np.max(self.terms('pump_series_lag', known)))
         if series > 0:
-            # What follows holds its input between samples: it gets the mean.
-            steps = np.diff(time, append=np.inf)
-            target = target + (follow(time, target, series) - target) * (
-                series / steps * -np.expm1(-steps / series))
+            # What follows holds its input between samples.
+            target = target + (follow(time, target, series) - target) * evaluate(held_share, {
+                'series_lag': series, 'lag': max(lag, 1e-6),
+                'interval': np.diff(time, append=np.inf)})
         full = float(np.max(self.terms('pump_stroke_time', known)))
         if full <= 0:
             return follow(time, target, max(lag, 1e-6))

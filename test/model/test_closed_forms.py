@@ -6,6 +6,7 @@ import math
 from hst_drive.errors import InputError
 from hst_drive.model import Drive
 from hst_drive.model.lags import follow
+from hst_drive.model.part import PartModel
 from hst_drive.model.steady import linearise, operating_point
 from hst_drive.rig import default_rig
 import numpy as np
@@ -200,3 +201,18 @@ def test_a_lag_of_its_own_on_the_way_back_is_an_exponential_each_way(limits):
     assert found == pytest.approx(np.where(
         time < back, -np.expm1(-np.maximum(time - time[1], 0.0) / 0.4),
         top * np.exp(-np.maximum(time - back, 0.0) / 1.5)), abs=1e-12)
+
+
+@pytest.mark.parametrize('row', [0.002, 0.02, 0.1])
+@pytest.mark.parametrize('share', [0.005, 0.1, 0.3])
+def test_a_lag_before_the_plates_own_is_the_sum_of_two_exponentials(row, share):
+    """However far apart the rows of a log of a part are."""
+    pump = default_rig().pump
+    time = np.arange(0.0, 1.0, row)
+    since = np.maximum(time - time[len(time) // 4], 0.0)
+    found = PartModel(default_rig(), {}, {'pump.displacement_series_lag': 1.0 + share}).stroke(
+        time, np.where(np.arange(len(time)) < len(time) // 4, 3.0, 6.0), {})
+    before, after = pump.displacement(np.array([3.0, 6.0]))
+    lags = np.array([1.0, share]) * pump.displacement_lag
+    left = lags[:, None] * np.exp(-since / lags[:, None]) / (lags[0] - lags[1])
+    assert found == pytest.approx(after - (after - before) * (left[0] - left[1]), rel=1e-9)

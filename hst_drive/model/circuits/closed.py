@@ -17,6 +17,7 @@ from hst_drive.model.circuits.motor_text import (
     TABLES)
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.kernel_template import waved
+from hst_drive.model.lags import held_share
 from hst_drive.model.parameters import ACTUATOR, actuator_numbers
 from hst_drive.rig import Rig
 
@@ -63,10 +64,10 @@ def hold(pump_command, interval, memory, p, on, cells, layout):
     if math.isnan(memory[3]):
         memory[3] = aim
     if pump_series_lag > 0.0 and interval > 0.0:
-        # What stands before the plate, on average until the next row.
-        ahead, kept = memory[3] - aim, math.exp(-interval / pump_series_lag)
-        memory[3] = aim + ahead * kept
-        aim += ahead * (1.0 - kept) * pump_series_lag / interval
+        # What stands before the plate moves until the next row.
+        ahead = memory[3] - aim
+        memory[3] = aim + ahead * math.exp(-interval / pump_series_lag)
+        aim += ahead * held_share(pump_series_lag, max(pump_lag, 1e-4), interval)
     rate = back_rate = 0.0
     if pump_stroke_time > 0.0:
         rate = max_displacement / pump_stroke_time * (1.0 + pump_stroke_asymmetry)
@@ -276,7 +277,8 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(waved, charged, pump_leak, capacity, gear, motor_leak, motor_leaks, shaft),
+    helpers=(waved, held_share, charged, pump_leak, capacity, gear, motor_leak, motor_leaks,
+             shaft),
     numbers=numbers, sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',
