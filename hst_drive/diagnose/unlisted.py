@@ -11,6 +11,7 @@ where the evidence is for the free one the name is wrong (``better``).
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.free_forms import (
@@ -27,6 +28,7 @@ from hst_drive.identify.standing import without
 from hst_drive.identify.timing import (
     DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
 from hst_drive.measure.where import WARMS
+from hst_drive.rig.schema import ONE_SIDED
 import numpy as np
 from scipy.optimize import minimize_scalar
 
@@ -194,7 +196,12 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
 
 def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
     """Fit a timing, and the unit, in turn."""
-    campaign, number = search.campaign, 0.0
+    campaign, number, kept = search.campaign, 0.0, set()
+    if timing.enters == DEAD_TIME.enters:
+        # What is tried says all of what stands before the plate.
+        kept = {('', key) for key in ONE_SIDED}
+        fitted = fitted._replace(model=replace(fitted.model, factors={
+            key: value for key, value in fitted.model.factors.items() if key not in ONE_SIDED}))
     for _ in range(_ROUNDS):
         def cost(trial: float, model: Model = fitted.model) -> float:
             changed = with_timing(campaign, timing, trial)
@@ -203,7 +210,7 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
         number = minimize_scalar(cost, bounds=timing.bounds, method='bounded',
                                  options={'xatol': timing.resolved}).x
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
-                     known=search.base.columns)
+                     known=search.base.columns, kept=kept)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
                                        (timing.depends_on,), timing.where + what))
