@@ -4,18 +4,18 @@
 from __future__ import annotations
 
 from math import log
-from typing import Callable, Collection, Container, Mapping, Sequence
+from typing import Callable, Container, Mapping, Sequence
 
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.evidence import CREDIBLE, DECIDED, decided, Probability
+from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import limited
 from hst_drive.identify.observable import Visibility, visibility
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
-from hst_drive.identify.weigh import log_odds, weigh
+from hst_drive.identify.weigh import log_odds
 import numpy as np
 
 
@@ -26,12 +26,6 @@ def searched(campaign: Campaign, progress: Callable[[str], None]) -> tuple[
     seen = visibility(campaign, search.base, campaign.candidates())
     search.candidates = tuple(entry.id for entry in seen if entry.tried)
     return search, seen
-
-
-def posterior(search: Search, best: Candidate, verdict: str,
-              named: Collection[tuple[str, ...]]) -> Probability:
-    """Return how probable each set is, given the answer: it knows which rows were held out."""
-    return decided(weigh(search, best), verdict, named)
 
 
 def exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple[str, ...]]:

@@ -12,7 +12,7 @@ from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import (
-    exchanged, instead_of_the_unit, likeliest, off_its_curve, posterior, rivals_of, searched)
+    exchanged, instead_of_the_unit, likeliest, off_its_curve, rivals_of, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
@@ -23,6 +23,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
+from hst_drive.identify.evidence import decided
 from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes, limited
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
@@ -30,6 +31,7 @@ from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
+from hst_drive.identify.weigh import weigh
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -111,7 +113,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     # What is named beside a sensor that drifts may be the drift.
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     named = {best.names, *exchanged(best, rivals)} if verdict != 'unknown' else set()
-    given = posterior(search, best, verdict, named)
+    given = decided(weigh(search, best), verdict, named)
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), strained,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()

@@ -18,7 +18,6 @@ from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
 from hst_drive.identify.fit import calibrated, ended, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, Gain, gain, matters, parts, PRACTICAL, shown, unexplained)
-from hst_drive.identify.model import Model
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import shapes_of, with_usual_shapes
@@ -65,7 +64,7 @@ class Search:
         self.candidates = tuple(candidates)
         self.progress = progress
         self.base = calibrated(campaign)
-        # What the rig has adopted is an effect of its own, too.
+        # The same unit without what the rig has adopted: the errors that all effects take away.
         self.bare = self.base._replace(errors=campaign.errors(replace(
             self.base.model, effects={name: effect_of(name).neutral for name in campaign.adopted}
         ))) if campaign.adopted else self.base
@@ -105,15 +104,18 @@ class Search:
 
     def _fit(self, task: tuple[tuple[str, ...], Fit]) -> Candidate:
         names, start = task
-        # Sizes first: a shape that is free from the start may end far from what it could be.
-        shapes = shapes_of(names)
-        found = [fit(self.campaign, model, known=start.columns, kept=shapes)
-                 for model in self._starts(names, start.model)]
-        if not found:
-            new, = {*names} - {*start.model.effects}
+        new = next((name for name in names if name not in start.model.effects), None)
+        alone = self._known.get((new,))
+        models = [start.model] if new is None else starts(
+            self.campaign, self.base.jacobian, start.model, new,
+            alone.fit.model.effects[new] if alone else None)
+        if not models:
             typical = start.model.with_effect(new, self.campaign.typical(new))
             return self.candidate(names, fit(self.campaign, typical, iterations=0,
                                              known=start.columns).light())
+        # Sizes first: a shape that is free from the start may end far from what it could be.
+        shapes = shapes_of(names)
+        found = [fit(self.campaign, model, known=start.columns, kept=shapes) for model in models]
         best = min(found, key=lambda item: item.cost)
         if len(found) > 1 and best.cost < _PROMISING * self.base.cost:
             # Where valleys are deep the first steps do not tell which is the deepest.
@@ -126,14 +128,6 @@ class Search:
             return sized
         free = self.candidate(names, fit(self.campaign, best.model, known=best.columns))
         return min(sized, free, key=lambda item: item.score)
-
-    def _starts(self, names: Sequence[str], start: Model) -> list[Model]:
-        new = next((name for name in names if name not in start.effects), None)
-        if new is None:
-            return [start]
-        alone = self._known.get((new,))
-        return starts(self.campaign, self.base.jacobian, start, new,
-                      alone.fit.model.effects[new] if alone else None)
 
     def candidate(self, names: tuple[str, ...], found: Fit) -> Candidate:
         """Return a fit of these effects with its score."""

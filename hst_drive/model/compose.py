@@ -42,10 +42,10 @@ CONSTANTS = {
     'LINE_UPSTREAM_SHARE': USUAL_UPSTREAM,  # of the line's volume lies before its resistance
     'LINE_FAR_SHARE': USUAL_FAR,      # of that volume lies behind the mass of its oil
     'LINE_FASTEST': 1000.0,           # rad/s; a line that swings faster cannot be told from none
-    'PILOT_SETTLED': 1e-6,            # of full stroke: nearer, what stands before the plate rests
     'LINE_STEP': 0.7,                 # of the time in which it swings by a radian
     'SHAFT_LOAD_SIDE_SHARE': USUAL_SHARE,   # of the inertia lies behind a flexible shaft
     'SHAFT_STIFF_SHARE': 0.17,        # of the step, where friction meets so little inertia
+    'PILOT_SETTLED': 1e-6,            # of full stroke: nearer, what stands before the plate rests
     'PUMP_SPEED_AT_ONCE': 0.01,       # s; a shorter lag of the pump speed cannot be seen
     'SHAFT_STEP': 0.12,               # of the root of inertia times compliance
     'SHAFT_STALL_STEP': 1e-3,         # s; what lies behind a shaft may stall for some 20 ms

@@ -207,21 +207,19 @@ class PartModel:
                                for side in ((-spread, spread) if spread else (0.0,))], axis=0)
         target = self._yielding(command, known)
         own = self.factor('pump.displacement_lag') * pump.displacement_lag
-        lag = own + float(np.max(self.terms('pump_lag', known)))
+        lag = max(own + float(np.max(self.terms('pump_lag', known))), 1e-6)
         series = max(self.factor('pump.displacement_series_lag') - 1.0, 0.0) * own + float(
             np.max(self.terms('pump_series_lag', known)))
         if series > 0:
             # What follows holds its input between samples.
             target = target + (follow(time, target, series) - target) * evaluate(held_share, {
-                'series_lag': series, 'lag': max(lag, 1e-6),
-                'interval': np.diff(time, append=np.inf)})
+                'series_lag': series, 'lag': lag, 'interval': np.diff(time, append=np.inf)})
         full = float(np.max(self.terms('pump_stroke_time', known)))
         if full <= 0:
-            return follow(time, target, max(lag, 1e-6))
+            return follow(time, target, lag)
         asymmetry = float(np.max(self.terms('pump_stroke_asymmetry', known)))
         mean = pump.max_displacement / full
-        return follow(time, target, max(lag, 1e-6), mean * (1 + asymmetry),
-                      mean * (1 - asymmetry))
+        return follow(time, target, lag, mean * (1 + asymmetry), mean * (1 - asymmetry))
 
     def _yielding(self, command: np.ndarray, known: Known) -> np.ndarray:
         """Return the displacement (m^3/rad) on which the plate settles under pressure."""
