@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     source = rig_file_of(args)
     rig = read_yaml(source)
     runs = read_logs(args.logs, args.channels)
-    tell_notes(runs)
+    tell_notes(runs, args.rig)
     found = commission(rig, source, runs, day_to_day, progress=progress_line())
     write_yaml(found.rig, args.output)
     if args.json:

@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
     day_to_day = day_to_day_of(args)
     rig = rig_of(args)
     runs = read_logs([*args.logs, *args.holdout, *args.since], args.channels)
-    tell_notes(runs)
+    tell_notes(runs, args.rig)
     count = len(args.logs) + len(args.holdout)
     if args.since:
         source = rig_file_of(args)
@@ -71,8 +71,14 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def tell_notes(runs: Sequence[Run]) -> None:
-    """Say what was repaired or left out of the logs."""
+def tell_notes(runs: Sequence[Run], rig: str | None) -> None:
+    """Say what was repaired or left out of the logs, and of which machine parts are taken."""
+    from hst_drive.measure.balances import is_part
+    from hst_drive.rig import default_rig
+
+    if rig is None and any(is_part(entry, default_rig()) for entry in runs):
+        say(f"no --rig: taken for logs of the shipped '{default_rig().name}'; give --rig RIG.yaml "
+            'for another machine')
     for entry in runs:
         for note in entry.notes:
             say(f'{entry.name}: {note}')

@@ -155,6 +155,19 @@ def test_adopting_it_makes_the_error_fall(diagnosed, content, campaign, capsys):
     assert again == 2 and 'is adopted already' in capsys.readouterr().err
 
 
+def test_whose_logs_they_are_taken_for_is_said(tmp_path, capsys):
+    """A bench's log without a rig file is of the shipped rig; a whole drive says so by itself."""
+    log, told = tmp_path / 'axis.csv', "no --rig: taken for logs of the shipped 'drill drive test"
+    log.write_text('time[s],motor_speed[rpm],motor_torque[N.m]\n' + ''.join(
+        f'{k / 50},{30 + 20 * math.sin(k / 20)},{100 * math.cos(k / 20)}\n' for k in range(600)))
+    cli.main(['diagnose', str(log)])
+    assert told in capsys.readouterr().err
+    rig = tmp_path / 'rig.yaml'
+    rig.write_text('name: axis\nmotor: {inertia_total_kg_m2: 20}\n')
+    cli.main(['diagnose', str(log), '--rig', str(rig)])
+    assert told not in capsys.readouterr().err
+
+
 def test_wrong_input_is_one_line(campaign, capsys):
     """A log that is not there, as LOG and as --holdout; a log that closes no balance."""
     log, empty = str(campaign / 'open_loop.csv'), campaign / 'thin.csv'
