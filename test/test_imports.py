@@ -10,14 +10,14 @@ import hst_drive
 import pytest
 
 PACKAGE = Path(hst_drive.__file__).parent
-BASE = {'as_function', 'channels', 'errors', 'units'}
+BASE = {'as_function', 'channels', 'errors', 'plain', 'units'}
 MODEL = BASE | {'effects', 'resources', 'rig', 'model'}
 PURE = MODEL | {'control', 'load', 'losses', 'measure'}
 ABOVE = PURE | {'bag', 'identify', 'design', 'diagnose'}
 
 # Part of the package -> parts that it may import.
 MAY_IMPORT = {
-    'as_function': set(), 'errors': set(), 'units': set(), 'channels': {'units'},
+    'as_function': set(), 'errors': set(), 'plain': set(), 'units': set(), 'channels': {'units'},
     'resources': {'errors'},
     'rig': BASE | {'resources', 'effects'}, 'effects': BASE, 'model': MODEL,
     'control': BASE, 'load': BASE | {'resources', 'rig'}, 'losses': BASE,
@@ -40,7 +40,7 @@ ONLY_IN = {
     'matplotlib': {'cli', 'report'}, 'plotly': {'report', 'workbench'}, 'dash': {'workbench'},
     'distributed': {'fleet'}, 'pandas': {'api'},
 }
-SILENT = ['api', 'as_function', 'units', 'errors', 'resources', 'rig', 'effects', 'model',
+SILENT = ['api', 'as_function', 'plain', 'units', 'errors', 'resources', 'rig', 'effects', 'model',
           'control', 'load', 'losses', 'measure', 'bag', 'watch',
           'identify', 'design', 'diagnose', 'export']
 

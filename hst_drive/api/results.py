@@ -11,7 +11,7 @@ from typing import Any, TYPE_CHECKING
 from hst_drive.api import given
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
-from hst_drive.report.plain import plain
+from hst_drive.plain import plain
 from hst_drive.units import difference_from_si, for_people, from_si
 import numpy as np
 

@@ -72,9 +72,9 @@ def rig_file_of(args: argparse.Namespace) -> str:
 
 def rig_of(args: argparse.Namespace) -> Rig:
     """Return the rig that was asked for."""
-    from hst_drive.rig import default_rig, load_rig
+    from hst_drive.rig import load_rig
 
-    return load_rig(args.rig) if args.rig else default_rig()
+    return load_rig(args.rig)
 
 
 def read_logs(paths: list[str], channels: str | None) -> list[Run]:

@@ -133,9 +133,9 @@ def _compared(runs: list[Run], rig_file: str | None = None) -> None:
     from hst_drive.measure.compare import compare
     from hst_drive.model import Drive
     from hst_drive.report.comparison import text
-    from hst_drive.rig import default_rig, load_rig
+    from hst_drive.rig import load_rig
 
-    result = compare(Drive(load_rig(rig_file) if rig_file else default_rig()), runs)
+    result = compare(Drive(load_rig(rig_file)), runs)
     print(text(result, most_regions=3))
     drilling = result.logs[0].signals
     print("\nRussell's comprehensive error while drilling (the paper: speed below 3 %, pressure "
@@ -146,7 +146,7 @@ def _compared(runs: list[Run], rig_file: str | None = None) -> None:
 def _diagnosed(runs: list[Run], folder: Path) -> str | None:
     """Print what is missing; return the file of the rig with it, None if nothing was found."""
     from hst_drive.cli.diagnose import progress_line
-    from hst_drive.cli.output import plain, write_json, write_yaml
+    from hst_drive.cli.output import write_json, write_yaml
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.decide import diagnose
     from hst_drive.diagnose.document import as_json
@@ -157,7 +157,7 @@ def _diagnosed(runs: list[Run], folder: Path) -> str | None:
     source = str(default_rig_file())
     result = diagnose(load_rig(source), runs, progress=progress_line())
     print(text(result, short=True))
-    content = plain(as_json(result))
+    content = as_json(result)
     write_json(content, folder / 'diagnosis.json')
     rig_file = folder / 'rig.yaml'
     if not result.effects:

@@ -46,10 +46,10 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.export.c_source import Untranslatable
     from hst_drive.export.fmu import IDENTIFIER, unit_of
     from hst_drive.model import Drive
-    from hst_drive.rig import default_rig, load_rig
+    from hst_drive.rig import load_rig
 
     refuse_to_replace(args.output, args.force)
-    drive = Drive(load_rig(args.rig) if args.rig else default_rig())
+    drive = Drive(load_rig(args.rig))
     try:
         unit = unit_of(drive)
     except Untranslatable as error:

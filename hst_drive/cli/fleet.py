@@ -57,9 +57,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Follow all machines and print the table."""
-    from hst_drive.diagnose.document import as_json
     from hst_drive.fleet.campaigns import find_campaigns
-    from hst_drive.fleet.document import as_json as fleet_json
+    from hst_drive.fleet.document import as_json
     from hst_drive.fleet.life import live
     from hst_drive.fleet.store import Store
     from hst_drive.fleet.summary import summarise
@@ -77,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
                   [path for campaign in campaigns for path in campaign.files])
     began = time.monotonic()
     try:
-        lives = live(campaigns, Store(Path(args.results)), as_json, healthy=args.healthy,
+        lives = live(campaigns, Store(Path(args.results)), healthy=args.healthy,
                      limited={name for name, _ in limits}, workers=args.workers,
                      scheduler=args.scheduler, again=args.again,
                      progress=_progress(began))
@@ -86,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
         raise
     summary = summarise(lives, limits)
     if args.json:
-        write_json(fleet_json(lives, summary), args.json)
+        write_json(as_json(lives, summary), args.json)
     if args.output:
         write_text(fleet_page(Path(args.place).resolve().stem, lives.rows, summary),
                    args.output)

@@ -11,10 +11,9 @@ from typing import Iterable, Sequence
 
 from hst_drive.errors import InputError
 from hst_drive.report.files import check_target, write_json, write_text, write_yaml
-from hst_drive.report.plain import plain
 from hst_drive.report.terminal import MISSING, size, table
 
-__all__ = ['MISSING', 'add_force_argument', 'add_json_argument', 'check_target', 'plain',
+__all__ = ['MISSING', 'add_force_argument', 'add_json_argument', 'check_target',
            'refuse_inputs', 'refuse_to_replace', 'say', 'size', 'table', 'write_json',
            'write_text', 'write_yaml']
 

@@ -20,7 +20,7 @@ from hst_drive.cli.common import (
     add_holdout_argument, add_log_arguments, add_since_argument, day_to_day_of, read_json,
     read_logs)
 from hst_drive.cli.output import (
-    add_json_argument, check_target, plain, say, write_json, write_text)
+    add_json_argument, check_target, say, write_json, write_text)
 from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dic
     training = runs[:len(args.logs)]
     result = diagnose(rig, training, runs[len(args.logs):],
                       progress=progress_line())
-    return plain(as_json(result)), ''
+    return as_json(result), ''
 
 
 def _check(found: object, source: str) -> None:

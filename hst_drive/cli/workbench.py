@@ -34,7 +34,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the logs and serve the page until Ctrl-C."""
-    from hst_drive.diagnose.document import as_json
     from hst_drive.rig import default_rig, default_rig_file
     from hst_drive.rig.yaml_file import read_yaml
     from hst_drive.workbench.answers import Answers, Setting
@@ -61,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
         tuple(map(_whole, args.logs)), tuple(map(_whole, args.holdout)),
         _whole(args.rig) if args.rig else None, _whole(args.channels) if args.channels else None,
         Path.cwd(), write_yaml, not args.logs, start)
-    bench = Workbench(base, training, held, as_json)
+    bench = Workbench(base, training, held)
     bench.errors(start)
     server = _server(Answers(bench, setting), args.port, Server)
     print(f'the workbench is at {server.address} (Ctrl-C ends it)', flush=True)

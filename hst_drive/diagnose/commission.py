@@ -20,7 +20,7 @@ from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.conditions import conditions, thinning
+from hst_drive.identify.conditions import conditions, reach_of, thinning
 from hst_drive.identify.fit import calibrated, Fit, fit
 from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.linearised import squared_slopes
@@ -154,14 +154,13 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     progress('commissioning the machine')
     fitted = calibrated(campaign)
     known = spread(campaign, fitted, between_points=0.0)
-    covariance = known.unknowns.mix(known.unknowns.mix(known.covariance).T)
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
     # Of the quantities first, then of the zeros of sensors.
     make = np.array([made.tolerances.get(key, sigma)
                      for key, sigma in known.unknowns.tolerances.items()])
-    covariance += np.diag((day_to_day * make)**2)
+    covariance = known.covariances + np.diag((day_to_day * make)**2)
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
                **{key: made.calibration.get(key, 1.0) * float(np.exp(value))
@@ -181,11 +180,10 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             for name, sigma in zip(campaign.zeros, sigmas[len(campaign.tolerances):]))
     if law:
         unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
-    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
-    if temperatures and not _follow_viscosity(made.effects):
+    warm = reach_of('oil_temperature', runs, (50.0,))
+    if warm and not _follow_viscosity(made.effects):
         # What was learnt of the leakages holds for the oil as it was then.
-        unit['characterised_at_oil_temperature_degC'] = round(float(from_si(
-            np.nanmedian(np.concatenate(temperatures)), 'degC')), 1)
+        unit['characterised_at_oil_temperature_degC'] = round(float(from_si(warm[0], 'degC')), 1)
     unit['provenance'] = {**(rig.get('provenance') or {}),
                           SECTION: {'logs': [run.source for run in runs]}}
     return Commissioned(unit, tuple(
@@ -225,7 +223,7 @@ def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
     sigma = np.hypot(found.unknowns.scale[index] * np.sqrt(found.covariance[index, index]),
                      FORM / max(thinning(made, runs), 1e-6))
     precision = np.array([POWER_SIGMA, sigma])**-2.0
-    law = OilLaw(float(precision @ [POWER, found.unknowns.mix(found.vector)[index]]
+    law = OilLaw(float(precision @ [POWER, found.values[index]]
                        / precision.sum()), float(precision.sum()**-0.5))
     if not sure and law.sigma**2 > _TOLD * POWER_SIGMA**2:
         return rig, None

@@ -21,7 +21,7 @@ from hst_drive.fleet.task import (
     commission_machine, diagnose_campaign, row_of, track_campaign)
 from hst_drive.fleet.track import to_follow
 from hst_drive.report.files import write_yaml
-from hst_drive.rig import default_rig, load_rig, Rig
+from hst_drive.rig import load_rig, Rig
 
 HEALTHY = 2     # first campaigns of a machine that tell what it is like when healthy
 
@@ -39,7 +39,7 @@ class Lives(NamedTuple):
     sizes: list[dict]
 
 
-def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object], dict], *,
+def live(campaigns: Sequence[Campaign], store: Store, *,
          healthy: int = HEALTHY, limited: Collection[str] = (), workers: int = 0,
          scheduler: str = '', again: bool = False,
          progress: Callable[[Progress], None] = lambda progress: None) -> Lives:
@@ -52,8 +52,6 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
         Of all machines. One whose rig file was commissioned already is judged by that.
     store : Store
         Keeps what is done.
-    describe : callable
-        ``Diagnosis`` to a mapping of schema hst_drive/diagnosis/1.
     healthy : int
         So many first campaigns of a machine are taken as healthy; 0: none, all are judged by the
         make.
@@ -86,8 +84,7 @@ def live(campaigns: Sequence[Campaign], store: Store, describe: Callable[[object
     own = [campaign._replace(rig=files.get(campaign.machine, campaign.rig))
            for campaign in campaigns]
     later = [campaign for campaign in own if campaign.name not in used]
-    answers = {row['campaign']: row for row in run(
-        later, task=partial(diagnose_campaign, describe=describe))}
+    answers = {row['campaign']: row for row in run(later, task=diagnose_campaign)}
     found = [answers.get(campaign.name) or row_of(
         campaign, status='commissioned', reason=None, diagnosis=None) for campaign in own]
     follow = {}
@@ -152,7 +149,7 @@ def _rig(campaigns: Sequence[Campaign], machine: str) -> tuple[Rig | None, str]:
     paths = {campaign.rig for campaign in campaigns if campaign.machine == machine}
     path = sorted(paths)[-1]
     try:
-        rig = load_rig(path) if path else default_rig()
+        rig = load_rig(path)
     except InputError:
         return None, ''
     return rig, path if rig.fingerprint else ''

@@ -9,7 +9,7 @@ from typing import Callable, Mapping
 
 from hst_drive.errors import InputError
 from hst_drive.fleet.campaigns import Campaign
-from hst_drive.report.plain import plain
+from hst_drive.plain import plain
 
 SCHEMA = 'hst_drive/fleet_row/1'
 
@@ -26,31 +26,20 @@ def failed(campaign: Campaign, reason: str) -> dict:
     return row_of(campaign, status='failed', reason=' '.join(reason.split()), diagnosis=None)
 
 
-def diagnose_campaign(campaign: Campaign, describe: Callable[[object], dict]) -> dict:
+def diagnose_campaign(campaign: Campaign) -> dict:
     """
     Read a campaign's logs, diagnose, and return the row.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Its files are read by whoever runs this: on a cluster all need the same folders.
-    describe : callable
-        ``Diagnosis`` to a mapping of schema hst_drive/diagnosis/1.
-
+    The files are read by whoever runs this: on a cluster all need the same folders.
     """
-    return _row(campaign, lambda: {'diagnosis': plain(describe(_diagnosis(campaign)))})
+    return _row(campaign, lambda: {'diagnosis': _diagnosis(campaign)})
 
 
 def commission_machine(campaign: Campaign) -> dict:
     """
     Return the row of a machine's first days: its own rig file as a mapping under 'unit'.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The logs of these days. Where something is missing in later ones, the first day alone
-        counts.
-
+    Where something is missing in the logs of later ones, the first day alone counts.
     """
     return _row(campaign, lambda: _commissioned(campaign))
 
@@ -98,21 +87,21 @@ def _commissioned(campaign: Campaign) -> dict:
 def _tracked(campaign: Campaign, effects: Mapping[str, Mapping[str, float]]) -> dict:
     from hst_drive.bag.campaign import read_logs
     from hst_drive.fleet.track import track
-    from hst_drive.rig import default_rig, load_rig
+    from hst_drive.rig import load_rig
 
-    rig = load_rig(campaign.rig) if campaign.rig else default_rig()
-    return track(rig, read_logs((*campaign.logs, *campaign.holdout), campaign.channels or None),
-                 effects)._asdict()
+    return track(load_rig(campaign.rig), read_logs(
+        (*campaign.logs, *campaign.holdout), campaign.channels or None), effects)._asdict()
 
 
-def _diagnosis(campaign: Campaign):
+def _diagnosis(campaign: Campaign) -> object:
     from hst_drive.bag.campaign import read_logs
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.rig import default_rig, load_rig
+    from hst_drive.diagnose.document import as_json
+    from hst_drive.rig import load_rig
 
-    rig = load_rig(campaign.rig) if campaign.rig else default_rig()
+    rig = load_rig(campaign.rig)
     if not campaign.logs:
         raise InputError(f'{campaign.name}: all its logs are held out; at least one must not have '
                          "'holdout' in its name")
     runs = read_logs((*campaign.logs, *campaign.holdout), campaign.channels or None)
-    return diagnose(rig, runs[:len(campaign.logs)], runs[len(campaign.logs):])
+    return as_json(diagnose(rig, runs[:len(campaign.logs)], runs[len(campaign.logs):]))

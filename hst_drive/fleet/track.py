@@ -17,7 +17,7 @@ from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
 from hst_drive.effects.oil import viscosity
 from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.conditions import faults_of
+from hst_drive.identify.conditions import faults_of, reach_of
 from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, Spread, spread
 from hst_drive.identify.model import Model
@@ -71,9 +71,8 @@ def track(rig: Rig, runs: Sequence[Run],
         Effects to follow, with parameters (SI) for their form.
 
     """
-    temperatures = [run['oil_temperature'] for run in runs if 'oil_temperature' in run]
-    warm = float(np.nanmedian(np.concatenate(temperatures))) if temperatures else np.nan
-    thick = viscosity(warm, rig.oil_grade) if np.isfinite(warm) else None
+    warm, = reach_of('oil_temperature', runs, (50.0,)) or (None,)
+    thick = None if warm is None else viscosity(warm, rig.oil_grade)
     law = (rig.effects[OIL_LAW]['exponent'], rig.fingerprint.oil_law) if (
         OIL_LAW in rig.effects and rig.fingerprint and rig.fingerprint.oil_law) else None
     told_by_make = OIL_LAW in rig.effects and not law
@@ -86,7 +85,7 @@ def track(rig: Rig, runs: Sequence[Run],
         for name in effects:
             if name in sizes and leaks(name):
                 sizes[name]['by_power'] = [other[name]['value'] for other in each]
-    return Tracked(sizes, float(from_si(warm, 'degC')) if np.isfinite(warm) else None,
+    return Tracked(sizes, None if warm is None else float(from_si(warm, 'degC')),
                    None if thick is None else float(thick), misfits, law)
 
 
@@ -102,10 +101,9 @@ def _sizes(rig: Rig, runs: Sequence[Run],
     fitted = fit(campaign, Model(known), iterations=6, refresh=True)
     found = spread(campaign, fitted, between_points=0.0)
     unknowns = found.unknowns
-    values = unknowns.mix(found.vector)
-    variances = np.diag(unknowns.mix(unknowns.mix(found.covariance).T))
+    values, variances = found.values, np.diag(found.covariances)
     # That no machine follows a formula exactly is the same on all dates.
-    form = FORM * (unknowns.mix(found.vector) - unknowns.mix(found.before))
+    form = FORM * (values - unknowns.mix(found.before))
     form[:unknowns.factors] = 0.0
     offsets = _offsets(found, rig, oil)
     sizes: Sizes = {}

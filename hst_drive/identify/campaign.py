@@ -21,7 +21,8 @@ from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import read_beyond, zeros_of
 from hst_drive.measure.circuit import replay_of
-from hst_drive.measure.oscillation import means_where
+from hst_drive.measure.judged import judged
+from hst_drive.measure.oscillation import means_where, shaking
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
@@ -73,7 +74,9 @@ class Campaign:
         self.drive = self._model()
         self.replays = [replay_of(run.slower(self.finest), self.drive)
                         for run in (*runs, *holdout)]
-        self.usable = [replay.usable for replay in self.replays]
+        # What follows the measured rest is judged everywhere, and does not drift out of step.
+        self.usable = [np.ones(len(replay.run), dtype=bool) if self.by_balance
+                       else judged(replay.run).samples for replay in self.replays]
         self.judge = self.drive
         self.floors = self._floors(self.drive)
         self._own_floors: dict[str, list[dict[str, float]]] = {}    # by model
@@ -82,7 +85,8 @@ class Campaign:
         self._splits = [
             np.where(usable, self._split(replay, index < len(runs), bool(holdout)), 0)
             for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
-        self._shaking = [replay.shakes for replay in self.replays]
+        self._shaking = [np.zeros(len(replay.run), dtype=bool) if self.by_balance
+                         else shaking(replay.run) for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
         self.zeros = zeros_of(rig, self.replays, self.by_balance)
 

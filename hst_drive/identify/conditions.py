@@ -112,7 +112,7 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     """
     sigmas = {key: value for key, value in {
         **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
-    reach = _reach('oil_temperature', runs, (50.0,))
+    reach = reach_of('oil_temperature', runs, (50.0,))
     ratio = float(rig.viscosity_ratio(reach[0])) if reach else 0.0
     if not rig.fingerprint:
         return Prior({}, sigmas, {}, Oil(ratio, {}))
@@ -151,7 +151,7 @@ def _torque_lost(rig: Rig) -> dict[str, float]:
 
 def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
     """Return by what factor (log) oil is thinner than when learnt: usually, and at most."""
-    reach = _reach('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
+    reach = reach_of('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if 'oil_temperature' not in rig.fingerprint.conditions or reach is None:
         return 0.0, 0.0
     there = rig.fingerprint.conditions['oil_temperature']
@@ -169,7 +169,7 @@ def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
 
 def thinning(rig: Rig, runs: Sequence[Run]) -> float:
     """Return by what factor (log) the oil of some logs is thinner at its warmest."""
-    cold, warm = rig.viscosity_ratio(np.array(_reach('oil_temperature', runs)))
+    cold, warm = rig.viscosity_ratio(np.array(reach_of('oil_temperature', runs)))
     return float(np.log(cold / warm))
 
 
@@ -177,7 +177,7 @@ def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
     """Return the channels that go beyond what the machine was commissioned for."""
     found = []
     for channel, (low, high) in (rig.fingerprint.conditions if rig.fingerprint else {}).items():
-        reach = _reach(channel, runs)
+        reach = reach_of(channel, runs)
         room = _ROOM_TEMPERATURE if channel == 'oil_temperature' else \
             _ROOM * max(abs(low), abs(high))
         if reach is not None and (reach[0] < low - room or reach[1] > high + room):
@@ -188,21 +188,21 @@ def outside(rig: Rig, runs: Sequence[Run]) -> tuple[Outside, ...]:
 def oil_untold(rig: Rig, runs: Sequence[Run]) -> bool:
     """Say whether nobody knows if a commissioned machine's oil is as warm as it was then."""
     return rig.fingerprint is not None and not (
-        'oil_temperature' in rig.fingerprint.conditions and _reach('oil_temperature', runs))
+        'oil_temperature' in rig.fingerprint.conditions and reach_of('oil_temperature', runs))
 
 
 def conditions(runs: Sequence[Run]) -> dict[str, list[float]]:
     """Return the range of each channel that tells conditions, in the units of a rig file."""
     ranges = {}
     for channel, (suffix, unit) in CONDITIONS.items():
-        reach = _reach(channel, runs, (0.5, 99.5))
+        reach = reach_of(channel, runs, (0.5, 99.5))
         if reach is not None:
             ranges[f'{channel}_{suffix}'] = [float(f'{from_si(end, unit):.5g}') for end in reach]
     return ranges
 
 
-def _reach(channel: str, runs: Sequence[Run],
-           percentiles: Sequence[float] = _TAILS) -> tuple[float, ...] | None:
+def reach_of(channel: str, runs: Sequence[Run],
+             percentiles: Sequence[float] = _TAILS) -> tuple[float, ...] | None:
     """Return between which values a channel lies but for its tails; None if it is not there."""
     values = np.concatenate([run[channel] for run in runs if channel in run] or [np.empty(0)])
     values = values[np.isfinite(values)]

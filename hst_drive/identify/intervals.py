@@ -37,6 +37,16 @@ class Spread(NamedTuple):
     before: np.ndarray
     unit: np.ndarray
 
+    @property
+    def values(self) -> np.ndarray:
+        """The unknowns, SI."""
+        return self.unknowns.mix(self.vector)
+
+    @property
+    def covariances(self) -> np.ndarray:
+        """Their covariance, SI."""
+        return self.unknowns.mix(self.unknowns.mix(self.covariance).T)
+
 
 def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
            between_points: float = 1.0) -> Spread:
@@ -95,9 +105,8 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}
     is one by its ratio: where the effect is there for sure, nothing is no value for it.
     """
     found = spread(campaign, fitted, forms)
-    unknowns, values = found.unknowns, found.unknowns.mix(found.vector)
-    width = ndtri(0.975) * np.sqrt(np.diag(
-        unknowns.mix(unknowns.mix(found.covariance).T)))
+    unknowns, values = found.unknowns, found.values
+    width = ndtri(0.975) * np.sqrt(np.diag(found.covariances))
     away = values - unknowns.mix(found.before)
     first = {(name, next(iter(shape))) for name, shape in fitted.model.effects.items()}
     open_ = np.array([name in first for name in unknowns.names], dtype=bool) & (

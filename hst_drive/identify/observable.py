@@ -19,10 +19,11 @@ from hst_drive.identify.evidence import (
     DECIDED, expected_odds, laplace, range_of, Signal, weight)
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.judge import PRACTICAL
+from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import Means
 import numpy as np
-from scipy.optimize import brentq, lsq_linear
+from scipy.optimize import brentq
 
 # What an effect may read that a replay takes from a recording: the channel that it comes from.
 _FROM = {'oil_temperature': 'oil_temperature', 'viscosity_ratio': 'oil_temperature',
@@ -113,8 +114,6 @@ class _Shows:
         unknowns = Unknowns(campaign, base.model)
         self._factors = base.jacobian[:, :unknowns.factors]
         self._moved = [self._signals(column) for column in self._factors.T]
-        self._root = np.linalg.cholesky(
-            self._factors.T @ self._factors + np.eye(self._factors.shape[1])).T
         self._held = unknowns.pack(base.model)[:unknowns.factors]
         self._room = -SIGMAS - self._held - 1e-6, SIGMAS - self._held + 1e-6
 
@@ -130,8 +129,8 @@ class _Shows:
         It gives the expected log odds, what the size costs of them, and the greatest share of a
         signal's squared error that the effect takes. The typical size moves errors by ``move``.
         """
-        across, square = self._factors.T @ move, move @ move
-        target = np.linalg.solve(self._root.T, across)
+        still = np.zeros(len(self._held))
+        quadratic = Linearised(move, self._factors, still, len(still))
         # By signal the pieces that the effect moves, each with those that the unit does.
         moved = {name: [(own, np.array(unit).reshape(-1, *own.shape)) for own, *unit in zip(
                      signal.pieces, *(entry[name].pieces for entry in self._moved))]
@@ -139,15 +138,15 @@ class _Shows:
 
         def odds(log_share: float) -> tuple[float, float, float]:
             share = np.exp(log_share)
-            taken = lsq_linear(self._root, -share * target, self._room, method='bvls').x if (
-                len(target)) else target
+            # Of what the typical size moves the unit takes up so much.
+            off = quadratic.step(*(limit / share for limit in self._room)) if (
+                len(still)) else still
+            taken = share * off
             left = {name: Signal(tuple(share * own + np.tensordot(taken, known, 1)
                                        for own, known in pieces), 0.0)
                     for name, pieces in moved.items()}
             strained = (self._held + taken) @ (self._held + taken) - self._held @ self._held
-            # Squared, of what the typical size moves beyond what the unit takes up.
-            off = taken / share
-            rest = square + 2.0 * across @ off + np.sum((self._root @ off)**2) - off @ off
+            rest = quadratic.after(off) - off @ off
             # What is judged on counts as 0 there.
             power = self._more * max((float(np.mean(np.concatenate(
                 [*map(np.ravel, entry.pieces)])**2)) for entry in left.values()), default=0.0)

@@ -129,16 +129,6 @@ class PartReplay:
         return next((float(np.percentile(np.abs(self._channels[name]), USUAL))
                      for name in names if name in self._channels), 0.0)
 
-    @property
-    def usable(self) -> np.ndarray:
-        """Where a model is judged: everywhere."""
-        return np.ones(len(self.run), dtype=bool)
-
-    @property
-    def shakes(self) -> np.ndarray:
-        """Nowhere: what follows the measured rest does not drift out of step."""
-        return ~self.usable
-
     def counted(self, name: str) -> np.ndarray:
         """Return the rows in which a signal can be judged."""
         return np.isfinite(self.run[name])

@@ -19,9 +19,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.floor import replay_floor
-from hst_drive.measure.judged import judged
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
-from hst_drive.measure.oscillation import shaking
 from hst_drive.measure.readings import bridged, filled, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
@@ -215,16 +213,6 @@ class Replay(RecordedLoad):
                 rest = self.run[name] - model[name]
                 self.noise[name] = min(self.noise[name], self.readings.noise(name, rest),
                                        self._stated_noise(drive, name))
-
-    @property
-    def usable(self) -> np.ndarray:
-        """Where a model of the whole drive is judged."""
-        return judged(self.run).samples
-
-    @property
-    def shakes(self) -> np.ndarray:
-        """Where the drive shakes by itself, so that means over some periods are compared."""
-        return shaking(self.run)
 
     def floor(self, drive: Drive, count: np.ndarray | None = None) -> dict[str, float]:
         """Return the rmse, by signal, that a perfect model would still show (``floor``)."""

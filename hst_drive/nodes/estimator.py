@@ -12,7 +12,7 @@ from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
 from hst_drive.nodes.diagnostics import HARDWARE
 from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput, search_for
 from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
-from hst_drive.rig import default_rig, load_rig
+from hst_drive.rig import load_rig
 from hst_drive.watch.characteristic import Estimate, Resistances
 from hst_drive.watch.drive import Figures, Observer, Settings, Watched
 from hst_drive.watch.figures import limits_of
@@ -64,7 +64,7 @@ class Estimator(DriveNode):
     def configure(self) -> None:
         """Build what observes the drive."""
         settings = self.settings
-        rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
+        rig = load_rig(settings['rig'])
         self._map = map_of(self)
         # What a map names comes.
         mapped = [CHANNEL_FIELDS[name][0].name for name in CHANNEL_FIELDS

@@ -18,7 +18,7 @@ from hst_drive.nodes import wiring
 from hst_drive.nodes.both_ways import dead_band_of
 from hst_drive.nodes.recordings import read_recording
 from hst_drive.nodes.settings import effect_texts, effects_in
-from hst_drive.rig import default_rig, load_rig, Rig
+from hst_drive.rig import load_rig, Rig
 from hst_drive.rig.rig import OPEN
 
 _NONE = -100.0  # V; no first command
@@ -98,7 +98,7 @@ def make_plan(options: Options) -> Plan:
         For anything that a node would refuse: nothing is started then.
 
     """
-    rig = load_rig(options.rig) if options.rig else default_rig()
+    rig = load_rig(options.rig)
     nodes = wiring.nodes_of(rig.circuit)
     scenario = load_scenario(options.scenario, rig, options.log, options.channels,
                              read_recording)

@@ -12,7 +12,7 @@ from typing import Any
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import Parameter
 from hst_drive.errors import InputError
-from hst_drive.rig import default_rig, load_rig, Rig
+from hst_drive.rig import load_rig, Rig
 from hst_drive.units import parse_header, si_unit, to_si, UnitError
 
 _FORM = re.compile(r'([\w-]+)(?:\.([\w-]+)\s*=\s*([^\[\]\s]+)\s*(\[[^\]]*\])?)?')
@@ -20,7 +20,7 @@ _FORM = re.compile(r'([\w-]+)(?:\.([\w-]+)\s*=\s*([^\[\]\s]+)\s*(\[[^\]]*\])?)?'
 
 def rig_of(settings: Mapping[str, Any]) -> Rig:
     """Return the rig of a node's parameters ``rig`` and ``circuit``, which must agree."""
-    rig = load_rig(settings['rig']) if settings['rig'] else default_rig()
+    rig = load_rig(settings['rig'])
     if rig.circuit != settings['circuit']:
         raise InputError(f"parameter circuit: is '{settings['circuit']}', but {rig.source} has "
                          f"'circuit: {rig.circuit}'; give both alike")

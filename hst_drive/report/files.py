@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 from hst_drive.errors import InputError
-from hst_drive.report.plain import plain
+from hst_drive.plain import plain
 
 
 def write_json(data: object, target: str | os.PathLike) -> None:

@@ -8,6 +8,7 @@ import json
 import re
 from typing import Sequence
 
+from hst_drive.plain import plain
 from hst_drive.report.curves import measured_curves, model_curves, points_each, titles
 from hst_drive.report.fails import error_maps
 from hst_drive.report.fit_sections import (
@@ -15,7 +16,6 @@ from hst_drive.report.fit_sections import (
 from hst_drive.report.found_sections import (
     found_section, ladder_section, rivals_section, unit_section, verdict)
 from hst_drive.report.markup import element, join, Markup, section, table
-from hst_drive.report.plain import plain
 from hst_drive.report.provenance import BEFORE, HELD_OUT, Provenance
 
 _HEADING = re.compile('<h2 id="([a-z]+)-title">(.*?)</h2>')

@@ -33,9 +33,9 @@ _TOP = (*SECTIONS, 'name', 'circuit', 'sensors', 'tolerances_1_sigma_relative',
 _SHOWN = 12     # keys in a message
 
 
-def load_rig(path: str | Path) -> Rig:
+def load_rig(path: str | Path | None = None) -> Rig:
     """
-    Load a rig file.
+    Load a rig file, or without one the shipped test rig.
 
     Raises
     ------
@@ -43,12 +43,13 @@ def load_rig(path: str | Path) -> Rig:
         One line that names file and key and suggests the mend.
 
     """
+    path = path or default_rig_file()
     return parse_rig(read_yaml(path), str(path))
 
 
 def default_rig() -> Rig:
     """Return the shipped test rig of the drill-drive paper."""
-    return load_rig(default_rig_file())
+    return load_rig()
 
 
 def default_rig_file() -> Path:

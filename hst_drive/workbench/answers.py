@@ -11,10 +11,10 @@ from typing import Callable, NamedTuple
 from hst_drive.channels import CHANNELS
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
+from hst_drive.plain import plain
 from hst_drive.report.curves import measured_curves, model_curves, titles
 from hst_drive.report.fails import error_maps
 from hst_drive.report.found_sections import found_section, rivals_section, verdict
-from hst_drive.report.plain import plain
 from hst_drive.workbench.bench import parameters, Workbench
 from hst_drive.workbench.jobs import Job
 from hst_drive.workbench.state import PageModel, read_model

@@ -13,6 +13,7 @@ from typing import Callable, Iterable, Sequence
 
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.document import as_json
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.identify.fit import fit
@@ -46,17 +47,13 @@ class Workbench:
         The rig.
     runs, holdout : sequence of Run
         Without ``holdout`` a third of each log is held out.
-    as_json : callable
-        Turns a diagnosis into the JSON of the verb diagnose.
 
     """
 
-    def __init__(self, base: Base, runs: Sequence[Run], holdout: Sequence[Run],
-                 as_json: Callable[..., dict]):
+    def __init__(self, base: Base, runs: Sequence[Run], holdout: Sequence[Run]):
         self.base = base
         self.training, self.holdout = list(runs), list(holdout)
         self.runs = [*runs, *holdout]
-        self._as_json = as_json
         self._known: OrderedDict[tuple[str, int], LogComparison] = OrderedDict()
         self._lock = Lock()
         self._pool = ThreadPoolExecutor(max(os.cpu_count() or 1, 1))
@@ -205,7 +202,7 @@ class Workbench:
         """Say what the model still lacks, and which models take it over."""
         mapping = self.base.mapping(model)
         rig = self.base.rig(model)
-        found = self._as_json(diagnose(rig, self.training, self.holdout, progress=progress))
+        found = as_json(diagnose(rig, self.training, self.holdout, progress=progress))
         offers = []
         formula = (found.get('unknown') or {}).get('formula')
         for title, with_formula, there in (('add what was found', False, found['effects']),

@@ -9,7 +9,7 @@ from hst_drive.fleet.page import fleet_page
 from hst_drive.fleet.summary import AHEAD, GROWS, summarise
 from hst_drive.fleet.track import POWERS
 from hst_drive.fleet.words import sentence
-from hst_drive.report.plain import plain
+from hst_drive.plain import plain
 import numpy as np
 import pytest
 

@@ -8,7 +8,6 @@ import shlex
 from hst_drive import cli
 from hst_drive.bag import read_log, write_csv
 from hst_drive.cli.output import write_yaml
-from hst_drive.diagnose.document import as_json
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
@@ -44,7 +43,7 @@ def bench_of(files, held=1, rig=None):
     runs = [read_log(path) for path in files]
     file = str(rig or default_rig_file())
     first = len(runs) - held
-    return Workbench(Base(read_yaml(file), file), runs[:first], runs[first:], as_json)
+    return Workbench(Base(read_yaml(file), file), runs[:first], runs[first:])
 
 
 @pytest.fixture(scope='module')
