@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Callable, NamedTuple
 
-from hst_drive.design.families import DRAWN, Knots, Pen, STEP, WORDS
+from hst_drive.design.families import DRAWN, Knots, Pen, STEP
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.rig import Rig
 from hst_drive.units import from_si
@@ -20,10 +20,6 @@ import numpy as np
 LONGEST = 120.0         # s
 SPIN_UP = 3.0           # s, lightly loaded, before the first segment
 MARGIN = 0.65           # of the relief valve's set pressure: what steady load may ask for
-# What a family shows is worth less where it also shows what no model has quite right: how the
-# drive gets from one point to the next, or what it does near standstill or without load.
-_EASE = {'fast_steps': 0.8, 'reversals': 0.8, 'creeping': 0.8, 'unloaded': 0.5,
-         'standstill': 0.5}
 _WARM_EASE = 0.8        # warming the oil takes time and a heater
 _BRAKE = 0.5            # of what the light load takes: the line stays filled
 _SLOWEST = 10.0         # s from the highest speed to standstill, where there is hardly a load
@@ -68,7 +64,7 @@ class Trial(NamedTuple):
     @property
     def words(self) -> str:
         """The trial for people."""
-        told = ', then '.join(dict.fromkeys(WORDS[part.family] for part in self.segments))
+        told = ', then '.join(dict.fromkeys(DRAWN[part.family].words for part in self.segments))
         return told + (f', while the oil warms up by {2 * _WARMING:.0f} K' if self.warming else '')
 
 
@@ -113,7 +109,7 @@ def plain_drilling(duration: float) -> Trial:
 def ease(trial: Trial) -> float:
     """Return what an expected significance is worth, at most 1."""
     families = {segment.family for segment in trial.segments}
-    return float(np.prod([_EASE.get(name, 1.0) for name in families])) * (
+    return float(np.prod([DRAWN[name].ease for name in families])) * (
         _WARM_EASE if trial.warming else 1.0)
 
 
@@ -127,8 +123,8 @@ def scenario(trial: Trial, rig: Rig, closed_loop: bool, title: str = 'Test') -> 
     start = SPIN_UP
     for segment in trial.segments:
         pen.time = max(pen.time, start)
-        DRAWN[segment.family](pen, np.random.default_rng(segment.seed), bounds,
-                              segment.duration)
+        DRAWN[segment.family].draw(pen, np.random.default_rng(segment.seed), bounds,
+                                   segment.duration)
         start += segment.duration
     base = float(from_si(rig.characterised_at, 'degC'))
     content: dict = {
