@@ -72,11 +72,7 @@ def limits(rig: Rig) -> Limits:
     """
     Return what a rig can do with a margin to its relief valve, pump and tables.
 
-    Raises
-    ------
-    InputError
-        If the rig lacks a section.
-
+    Raise InputError if the rig lacks a section.
     """
     rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
                 purpose='the design of a test')

@@ -59,15 +59,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
     """
     Return the cause that explains alone what a set does, or more; None if there is none.
 
-    Parameters
-    ----------
-    search : Search
-        What was tried.
-    best : Candidate
-        The set that was found.
-    left : collection of str
-        Signals that it leaves unexplained.
-
+    ``left`` are the signals that the set leaves unexplained.
     """
     strained = limited(search.campaign, best.fit)
     if search.campaign.by_balance or not left and len(

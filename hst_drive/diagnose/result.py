@@ -217,22 +217,7 @@ class Diagnosis:
 
 
 def require_schema(content: object, source: str) -> None:
-    """
-    Refuse what is not the JSON of a diagnosis.
-
-    Parameters
-    ----------
-    content : object
-        What was read.
-    source : str
-        Its file, for messages.
-
-    Raises
-    ------
-    InputError
-        If the schema is another one.
-
-    """
+    """Raise InputError if what was read from a file has not the schema of a diagnosis."""
     found = content.get('schema') if isinstance(content, dict) else None
     if found != SCHEMA:
         raise InputError(f"{source}: key 'schema' is {found!r}, expected '{SCHEMA}'; give the "

@@ -29,20 +29,9 @@ _READING = 'formula_pressure_reading'
 
 def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     """
-    Say where the remaining error enters and on what it depends.
+    Say where the remaining error enters and on what it depends; None if no place stands out.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The data.
-    model : Fit
-        The best that listed effects can do, which leaves something.
-
-    Returns
-    -------
-    Unknown or None
-        None if no place for it stands out.
-
+    ``model`` is the best that listed effects can do, which leaves something.
     """
     campaign, model = over_own_floors(campaign, model)
     location = locate(campaign, model)

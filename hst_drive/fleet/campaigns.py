@@ -51,16 +51,8 @@ def find_campaigns(place: str | os.PathLike[str]) -> list[Campaign]:
     """
     Return the campaigns below a folder, or those that a list names.
 
-    Parameters
-    ----------
-    place : path
-        A folder, or a text file with a folder per line (relative to the file; # begins a remark).
-
-    Raises
-    ------
-    InputError
-        If there are none.
-
+    A list is a text file with a folder per line (relative to the file; # begins a remark). Raise
+    InputError if there are no campaigns.
     """
     place = Path(place)
     if place.is_file():

@@ -21,13 +21,8 @@ def read_limit(text: str, source: str = '--limit') -> tuple[tuple[str, str], flo
     """
     Read 'motor_leakage.conductance=0.02 L/min/bar'.
 
-    Without a parameter it is the effect's size, without a unit a number in SI.
-
-    Raises
-    ------
-    InputError
-        One line that says what is wrong with it.
-
+    Without a parameter it is the effect's size, without a unit a number in SI. InputError says in
+    one line what is wrong with it.
     """
     key, found, value = (part.strip() for part in text.partition('='))
     if not found:

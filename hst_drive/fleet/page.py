@@ -45,19 +45,7 @@ _STYLE = """
 
 
 def fleet_page(name: str, rows: Sequence[dict], summary: Summary) -> str:
-    """
-    Return the page as HTML.
-
-    Parameters
-    ----------
-    name : str
-        Of the fleet: its folder.
-    rows : sequence of dict
-        Of all campaigns.
-    summary : Summary
-        What they say together.
-
-    """
+    """Return the page of all campaigns as HTML; ``name`` is the folder of the fleet."""
     title = f'Fleet {name}' if name else 'Fleet'
     dates = sorted(row['date'] for row in rows if row['date'])
     facts = [many(len(summary.machines), 'machine'), many(len(rows), 'campaign'),

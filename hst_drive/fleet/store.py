@@ -14,18 +14,9 @@ from hst_drive.fleet.task import SCHEMA
 
 class Store:
     """
-    A folder of rows.
+    A folder of rows; it is made if it is not there.
 
-    Parameters
-    ----------
-    folder : Path
-        Made if it is not there.
-
-    Raises
-    ------
-    InputError
-        If it cannot be made or written.
-
+    InputError is raised if it cannot be made or written.
     """
 
     def __init__(self, folder: Path):

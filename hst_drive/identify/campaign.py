@@ -43,14 +43,9 @@ class Campaign:
     """
     Recordings to fit on and recordings to judge on.
 
-    Parameters
-    ----------
-    rig : Rig
-        Baseline, effects that it has adopted included. Its unit's factors are as independent as
-        the make's tolerances are, or tied by what commissioning told (``ties``).
-    runs, holdout : sequence of Run
-        Without ``holdout`` a third of each log's time is held out.
-
+    Effects that the rig has adopted are part of its baseline. Its unit's factors are as
+    independent as the make's tolerances are, or tied by what commissioning told (``ties``).
+    Without ``holdout`` a third of each log's time is held out.
     """
 
     block = BLOCK

@@ -58,16 +58,8 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
     """
     Judge how large each effect would have to be to be found.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        The recordings.
-    base : Fit
-        Calibrated model with its Jacobian; an effect that the unit's tolerances can imitate
-        does not show.
-    names : sequence of str
-        Effects.
-
+    ``base`` is the calibrated model with its Jacobian: an effect that the unit's tolerances can
+    imitate does not show.
     """
     start, shows = campaign.training(base.errors), _Shows(campaign, base)
     found = []

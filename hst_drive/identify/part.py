@@ -41,13 +41,7 @@ class PartCampaign(Campaign):
     """
     Recordings of a part, to fit on and to judge on.
 
-    Parameters
-    ----------
-    rig : Rig
-        The part's numbers.
-    runs, holdout : sequence of Run
-        Without ``holdout`` a third of each log is held out.
-
+    Without ``holdout`` a third of each log is held out.
     """
 
     searched = ('always', 'parts')

@@ -29,15 +29,8 @@ def in_step(campaign: Campaign, model: Model,
     """
     Return the campaign with recordings turned so that their swings have one phase.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Stays as it is.
-    model : Model
-        What swings in it decides.
-    errors : sequence of ndarray, optional
-        Of the model (``Campaign.errors``): if nothing swings in it, what swings in them decides.
-
+    The one that is given stays as it is. What swings in the model decides. If nothing does, what
+    swings in its ``errors`` (``Campaign.errors``) decides.
     """
     if errors is not None and not swinging(campaign.driver(model)):
         orders = strongest_orders(campaign, errors)
@@ -59,15 +52,8 @@ def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) ->
     """
     Return the campaign with recordings turned so that what swings once a turn has one phase.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Stays as it is.
-    fitted : Fit
-        Swings that its model has stay in step.
-    sizes : sequence of ndarray
-        What swings, log by log.
-
+    The one that is given stays as it is. ``sizes`` are what swings, log by log. Swings that the
+    fitted model has stay in step.
     """
     counts = swinging(campaign.driver(fitted.model)).values()
     turned = campaign.copied()

@@ -21,13 +21,7 @@ def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
     """
     Return errors as they are if each step came when it fits them best, within half a row.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        Of the whole drive; others are left as they are.
-    errors : sequence of ndarray
-        Of its columns (``Campaign.errors``).
-
+    The errors are those of ``Campaign.errors``. A part's are left as they are.
     """
     errors = list(errors)
     for log, replay in enumerate([] if campaign.by_balance else campaign.replays):
@@ -51,17 +45,7 @@ def in_time(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray
 
 
 def at_zero(campaign: Campaign, errors: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """
-    Return errors less what is off by the same throughout, within the noise of each sensor.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        Of the whole drive or a part.
-    errors : sequence of ndarray
-        Of its columns.
-
-    """
+    """Return errors less what is off by the same throughout, within the noise of each sensor."""
     errors = list(errors)
     for name in campaign.signals:
         own = [(index, column, column.rows(None)) for index, column in enumerate(campaign.columns)
@@ -82,22 +66,9 @@ def lasting(campaign: Campaign, errors: Sequence[np.ndarray], name: str,
     Return the part of a signal's mean square error that rows without common noise share.
 
     The largest product of errors a lag apart, mean over the rows, from where they share no noise
-    (``apart``) half a second on. White noise has none, a constant error all of it.
-
-    Parameters
-    ----------
-    campaign, errors
-        As of ``at_zero``.
-    name : str
-        The signal.
-    held_out : bool or None
-        True: rows to judge on, False: rows to fit on, None: both.
-
-    Returns
-    -------
-    float
-        In squared floors; infinite for operating points, which have no order.
-
+    (``apart``) half a second on. White noise has none, a constant error all of it. The answer is
+    in squared floors; it is infinite for operating points, which have no order. The rows are those
+    to judge on where ``held_out`` is True and those to fit on where it is False; None: both.
     """
     total, count = 0.0, 0
     for error, column in zip(errors, campaign.columns):

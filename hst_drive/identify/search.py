@@ -44,19 +44,7 @@ class Candidate(NamedTuple):
 
 
 class Search:
-    """
-    Fits and remembers sets of effects.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        The data.
-    candidates : sequence of str
-        Effects to try.
-    progress : callable, optional
-        Called with a text now and then.
-
-    """
+    """Fits and remembers sets of effects; ``candidates`` are those to try."""
 
     def __init__(self, campaign: Campaign, candidates: Sequence[str],
                  progress: Callable[[str], None] = lambda text: None):

@@ -35,11 +35,7 @@ class CircuitReplay(PartReplay):
     """
     A log of a circuit, ready to be predicted by models again and again; see ``PartReplay``.
 
-    Raises
-    ------
-    InputError
-        If no balance of the circuit is closed, or the rows are operating points.
-
+    InputError is raised if no balance of it is closed, or the rows are operating points.
     """
 
     def __init__(self, run: Run, model: CircuitModel):

@@ -44,12 +44,8 @@ class PartReplay:
     """
     A log of a part, ready to be predicted by models again and again.
 
-    Parameters
-    ----------
-    run : Run
-        Channels that close at least one balance (``balances.BALANCES``).
-    model : PartModel
-        Model that noise and floor are judged with.
+    Noise and floor are judged with the model that is given. InputError is raised if the channels
+    close no balance (``balances.BALANCES``), or there are too few rows.
 
     Attributes
     ----------
@@ -67,11 +63,6 @@ class PartReplay:
         How much less well the times of the commands are, s.
     extra_std : dict of str to ndarray
         Standard deviation beyond the floor, row by row, SI: what a formula or rough rock adds.
-
-    Raises
-    ------
-    InputError
-        If no balance is closed, or there are too few rows.
 
     """
 
@@ -239,17 +230,7 @@ class PartReplay:
 
     def predict(self, model: PartModel,
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
-        """
-        Predict each signal from the others.
-
-        Parameters
-        ----------
-        model : PartModel
-            The model.
-        extra : dict of str to ndarray, optional
-            Added to channels, SI.
-
-        """
+        """Predict each signal from the others; ``extra`` is added to channels, SI."""
         true = _without(model.zeros, shifted(self._channels, extra or {}))
         return shifted(self._predicted(model, self.balances, true, self._weak), model.zeros)
 

@@ -73,13 +73,9 @@ class Drift(NamedTuple):
 
 def refuse_wrong_units(rig: Rig, runs: Sequence[Run]) -> None:
     """
-    Check that no sensor of the recordings is off by a factor against the others.
+    Raise InputError if a sensor of the recordings is off by a factor against the others.
 
-    Raises
-    ------
-    InputError
-        Otherwise; names log, channel, how far it is off and as what.
-
+    It names log, channel, how far it is off and as what.
     """
     for run in runs:
         told = unit_doubts(rig, run, sure=True)

@@ -24,36 +24,17 @@ _LONG = 600.0   # s: of so long a recording one will do
 
 
 class RecordedLoad:
-    """
-    The load torque of a recording; a ``Replay`` sets what it goes by.
-
-    Attributes
-    ----------
-    run, readings : Run, Readings
-        The recording.
-    torque : str, optional
-        Its torque signal.
-    inputs : dict of str to ndarray, shape (n,)
-        Commands (V), 'oil_temperature' (K) and, if the speed was read, 'motor_angle' (rad).
-    between : Between
-        The steps of the controller between the rows.
-    noise : dict of str to float
-        White noise of each signal, SI, estimated from the record.
-    roughness : Coloured
-        Coloured part of the unexplained load torque, N.m.
-    can_correct : bool
-        Whether a torque was read, and how rough it is found.
-
-    """
+    """The load torque of a recording; a ``Replay`` sets what it goes by."""
 
     run: Run
     readings: Readings
-    torque: str | None
+    torque: str | None          # the torque signal, if there is one
+    # Commands (V), 'oil_temperature' (K) and, if the speed was read, 'motor_angle' (rad), by row.
     inputs: dict[str, np.ndarray]
-    between: Between
-    noise: dict[str, float]
-    roughness: Coloured
-    can_correct: bool
+    between: Between            # the steps of the controller between the rows
+    noise: dict[str, float]     # white, of each signal, SI, estimated from the record
+    roughness: Coloured         # coloured part of the unexplained load torque, N.m
+    can_correct: bool           # whether a torque was read, and how rough it is found
     _measured: np.ndarray       # torque, N.m, gaps bridged
     _speed: np.ndarray          # rad/s, as it was read, or as the model has it
     _turning: np.ndarray        # rows in which the shaft turns

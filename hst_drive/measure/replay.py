@@ -43,12 +43,8 @@ class Replay(RecordedLoad):
     """
     A recording, ready to be replayed through models again and again; its load: ``RecordedLoad``.
 
-    Parameters
-    ----------
-    run : Run
-        Needs 'pump_command' and 'pprv_command' and at least one signal of ``SIGNALS``.
-    drive : Drive
-        Model that the noise of the load and the floor are judged with.
+    The noise of the load and the floor are judged with the drive that is given. InputError is
+    raised if the run lacks 'pump_command' or 'pprv_command', or has no signal of ``SIGNALS``.
 
     Attributes
     ----------
@@ -60,11 +56,6 @@ class Replay(RecordedLoad):
         The same of the commands, row by row, s (``Steps.time_std``).
     steps : dict of str to Steps
         Commands as the controller gave them, as far as the rows tell, V.
-
-    Raises
-    ------
-    InputError
-        If the inputs are not in the log.
 
     """
 
@@ -261,15 +252,8 @@ class Replay(RecordedLoad):
         """
         Replay the recording; return the signals that the model gives, SI, by channel.
 
-        Parameters
-        ----------
-        drive : Drive
-            The model.
-        extra : ndarray, optional
-            Torque added to the load, N.m, at all steps: those between the rows, too.
-        commands : mapping of str to ndarray, optional
-            Commands in place of the recorded ones, V.
-
+        ``extra`` is torque added to the load, N.m, at all steps: those between the rows, too.
+        ``commands`` stand in place of the recorded ones, V.
         """
         if extra is not None or commands:
             return shifted(self._predict(drive, extra, commands), drive.zeros)

@@ -145,13 +145,9 @@ def _alike(one: np.ndarray, other: np.ndarray) -> bool:
 
 def refuse_impossible(run: Run) -> None:
     """
-    Check that no channel holds numbers that no hydraulic drive has.
+    Raise InputError if a channel holds numbers that no hydraulic drive has.
 
-    Raises
-    ------
-    InputError
-        Otherwise; names channel, value and time.
-
+    It names channel, value and time.
     """
     for name, values in run.channels.items():
         unit = CHANNELS[name].display

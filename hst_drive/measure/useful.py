@@ -22,15 +22,7 @@ _TAIL = 99.0        # percentile of the speed, so that a spike is no motion
 
 
 def refuse_still(run: Run) -> None:
-    """
-    Check that any of the sensors' readings changes.
-
-    Raises
-    ------
-    InputError
-        Otherwise.
-
-    """
+    """Raise InputError if none of the sensors' readings changes."""
     readings = [_finite(values) for name, values in run.channels.items()
                 if CHANNELS[name].hold == 'linear']
     # A single one that stands still may do so rightly; what it lacks is told elsewhere.
@@ -46,15 +38,7 @@ def missing_rows(run: Run, rows: np.ndarray | slice = slice(None)) -> dict[str, 
 
 
 def refuse_starved(source: str, missing: Mapping[str, int], rows: int) -> None:
-    """
-    Check that a recording holds the better part of each command.
-
-    Raises
-    ------
-    InputError
-        Otherwise.
-
-    """
+    """Raise InputError if a recording lacks the better part of a command."""
     for name, count in missing.items():
         if count > MOST * rows:
             raise InputError(f'{source}: {name} is missing in {count} of {rows} rows; expected it '
@@ -81,13 +65,9 @@ def refuse_unjudged(source: str, names: Sequence[str]) -> NoReturn:
 
 def refuse_other_circuit(rig: Rig, runs: Sequence[Run]) -> None:
     """
-    Check that recordings for a whole drive with an open circuit are not of another circuit.
+    Raise InputError if recordings for a whole drive with an open circuit are of another circuit.
 
-    Raises
-    ------
-    InputError
-        If one has a channel of other circuits, and no pressure of this one.
-
+    Such a one has a channel of other circuits, and no pressure of this one.
     """
     for run in runs:
         other = next((name for name in _OF_OTHERS if name in run), '')
@@ -99,15 +79,11 @@ def refuse_other_circuit(rig: Rig, runs: Sequence[Run]) -> None:
 
 def refuse_useless(rig: Rig, runs: Sequence[Run]) -> None:
     """
-    Check that recordings can show what a drive lacks.
+    Raise InputError if recordings cannot show what a drive lacks.
 
-    Raises
-    ------
-    InputError
-        If a recording is of another circuit, if none of its readings changes (``refuse_still``),
-        if most of a command is missing, if rows are too far apart for a drive's motion, or if the
-        drive turns in no recording.
-
+    It is raised if a recording is of another circuit, if none of its readings changes
+    (``refuse_still``), if most of a command is missing, if rows are too far apart for a drive's
+    motion, or if the drive turns in no recording.
     """
     refuse_other_circuit(rig, runs)
     for run in runs:
