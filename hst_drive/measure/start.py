@@ -157,34 +157,29 @@ def _resting_displacement(drive: Drive, state: np.ndarray, beginning: Beginning,
 def resting(model: PartModel, known: Mapping[str, np.ndarray],
             channels: Mapping[str, np.ndarray]) -> dict[str, float]:
     """
-    Return where the pump's plate 'rests_at' before the command moves, m^3/rad; empty if unknown.
+    Return where the pump's plate 'starts_at', and 'rests_at' before the command moves, m^3/rad.
 
-    A plate with play rests where the readings say, not where the command says.
-
-    Parameters
-    ----------
-    model : PartModel
-        The pump.
-    known : mapping of str to ndarray
-        What its flow depends on, and the true 'flow' (m^3/s) if that is known.
-    channels : mapping of str to ndarray
-        Readings, SI.
-
+    A plate with play rests where the readings say, not where the command says, and a slow one may
+    be on its way. Empty if nothing tells. ``known`` is what the pump's flow depends on, and the
+    true 'flow' (m^3/s) if that is known. ``channels`` are readings, SI.
     """
     command = channels['pump_command']
     moves = int(np.argmax(np.abs(command - command[0]) > _STILL)) or len(command)
-    rows = slice(max(moves - _FIRST, 0), max(moves, _FIRST))
+    places = {'starts_at': slice(1), 'rests_at': slice(max(moves - _FIRST, 0), max(moves, _FIRST))}
     if 'pump_displacement' in channels:
-        return {'rests_at': float(np.mean(channels['pump_displacement'][rows]))}
+        return {place: float(np.mean(channels['pump_displacement'][rows]))
+                for place, rows in places.items()}
     if 'flow' not in known or 'pump_pressure' not in known:
         return {}
-    first = {name: values[rows] if np.ndim(values) else values for name, values in known.items()}
-    ends = 0.0, model.rig.pump.max_displacement
-    flows = [float(np.mean(model.pump_flow({
-        **first, 'displacement': np.full(len(command[rows]), end)}))) for end in ends]
-    if flows[0] >= flows[1]:
-        return {}
-    return {'rests_at': float(np.interp(np.mean(first['flow']), flows, ends))}
+    found, ends = {}, (0.0, model.rig.pump.max_displacement)
+    for place, rows in places.items():
+        first = {name: values[rows] if np.ndim(values) else values
+                 for name, values in known.items()}
+        flows = [float(np.mean(model.pump_flow({
+            **first, 'displacement': np.full(len(command[rows]), end)}))) for end in ends]
+        if flows[0] < flows[1]:
+            found[place] = float(np.interp(np.mean(first['flow']), flows, ends))
+    return found
 
 
 def _first_torque(drive: Drive, first: Mapping[str, float], inputs: Mapping[str, float],

@@ -28,7 +28,8 @@ def held_share(series_lag, lag, interval):
 
 
 def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.inf,
-           back_rate: float = math.inf, back_lag: float | None = None) -> np.ndarray:
+           back_rate: float = math.inf, back_lag: float | None = None,
+           start: float | None = None) -> np.ndarray:
     """
     Return what follows a target with a first-order lag, its speed limited.
 
@@ -42,6 +43,8 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
         s, upwards and downwards; by default the same.
     rate, back_rate : float
         Most that it rises and falls, units of the target per second.
+    start : float, optional
+        Where it is first, if its speed is limited; by default on its target.
 
     """
     steps = np.append(np.diff(time), 0.0)
@@ -61,7 +64,7 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
             if back_lag in (None, lag) or np.array_equal(before, rising):
                 break
         return out
-    out, value = np.empty(len(time)), target[0]
+    out, value = np.empty(len(time)), target[0] if start is None else start
     for k, goal in enumerate(target):
         out[k] = value
         move = (goal - value) * (up[k] if goal > value else down[k])

@@ -54,6 +54,7 @@ class PartModel:
     def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
                  factors: Mapping[str, float] | None = None):
         self.rig, self.zeros = rig, rig.zeros
+        self.delays: dict[str, float] = {}      # by channel, s
         chosen = self.changed(effects or {}, factors or {})
         self.effects, self.factors = chosen.effects, chosen.factors
 
@@ -190,7 +191,8 @@ class PartModel:
         command : ndarray
             V.
         known : mapping
-            What effects of the actuator may read, and where the plate 'rests_at' first, m^3/rad.
+            What effects of the actuator may read, and where the plate 'rests_at' first and
+            'starts_at', m^3/rad.
 
         """
         pump = self.rig.pump
@@ -219,7 +221,8 @@ class PartModel:
             return follow(time, target, lag)
         asymmetry = float(np.max(self.terms('pump_stroke_asymmetry', known)))
         mean = pump.max_displacement / full
-        return follow(time, target, lag, mean * (1 + asymmetry), mean * (1 - asymmetry))
+        return follow(time, target, lag, mean * (1 + asymmetry), mean * (1 - asymmetry),
+                      start=known.get('starts_at'))
 
     def _yielding(self, command: np.ndarray, known: Known) -> np.ndarray:
         """Return the displacement (m^3/rad) on which the plate settles under pressure."""
