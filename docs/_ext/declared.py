@@ -152,7 +152,7 @@ def of_rig():
             [(f'`{key}`', MEANINGS[section][key], *_key(entry), _left_out(section, key, entry))
              for key, entry in keys.items()])]
     sensors = [(f'`{name}`', f'`noise_std_{suffix}`, `resolution_{suffix}`, '
-                f'`zero_std_{suffix}`, `range_{suffix}`', unit)
+                f'`zero_std_{suffix}`, `range_{suffix}`, `delay_std_s`', unit)
                for name, (suffix, unit) in SENSOR_UNITS.items()]
     return '\n\n'.join([
         *lines, '### sensors', table(('channel', 'keys', 'unit'), sensors),

@@ -157,10 +157,10 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    # Of the quantities first, then of the zeros of sensors.
+    # Of the quantities first, then of the zeros of sensors. Their delays are the logger's.
     make = np.array([made.tolerances.get(key, sigma)
-                     for key, sigma in known.unknowns.tolerances.items()])
-    covariance = known.covariances + np.diag((day_to_day * make)**2)
+                     for key, sigma in {**campaign.tolerances, **campaign.zeros}.items()])
+    covariance = known.covariances[:len(make), :len(make)] + np.diag((day_to_day * make)**2)
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
                **{key: made.calibration.get(key, 1.0) * float(np.exp(value))

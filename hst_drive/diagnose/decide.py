@@ -32,6 +32,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
 from hst_drive.identify.weigh import weigh
+from hst_drive.identify.zeros import LATE
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -88,7 +89,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
-    strained = [f'the zero of {key}' if key in campaign.zeros else key
+    strained = [f'the zero of {key}' if key in campaign.zeros else
+                f'the delay of {key.removesuffix(LATE)}' if key in campaign.delays else key
                 for key in limited(campaign, best.fit)]
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
@@ -128,7 +130,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
-        calibration=_calibration(campaign, best.fit), zeros=_zeros(campaign, best.fit),
+        calibration=_calibration(campaign, best.fit), zeros=_sensors(
+            best.fit.model.zeros, campaign), delays=_sensors(best.fit.model.delays, campaign),
         probability=given, unknown=remaining,
         next_test=_measure(search, best, strained) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
@@ -275,10 +278,12 @@ def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 
 
-def _zeros(campaign: Campaign, fitted: Fit) -> tuple[Zero, ...]:
-    return tuple(sorted((Zero(name, value, CHANNELS[name].unit, value / campaign.zeros[name])
-                         for name, value in fitted.model.zeros.items()),
-                        key=lambda item: -abs(item.sigmas)))
+def _sensors(found: Mapping[str, float], campaign: Campaign) -> tuple[Zero, ...]:
+    """Return zeros or delays, the greatest in their sigmas first."""
+    return tuple(sorted((
+        Zero(key.removesuffix(LATE), value,
+             's' if key in campaign.delays else CHANNELS[key].unit, value / campaign.sigmas[key])
+        for key, value in found.items()), key=lambda item: -abs(item.sigmas)))
 
 
 def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:

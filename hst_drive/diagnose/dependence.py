@@ -83,7 +83,7 @@ def _variables(campaign: Campaign, model: Fit, index: int) -> dict[str, np.ndarr
         found['load_torque'] = campaign.driver(model.model).load_torque(
             run.time, replay.inputs['pprv_command'], SPEED * found['motor_speed'],
             replay.inputs['oil_temperature'], replay.inputs.get('motor_angle')) / TORQUE
-    if getattr(replay, 'static', False):
+    if replay.static:
         return found
     for name in COMMANDS:
         if name in replay.inputs:

@@ -30,6 +30,7 @@ def as_json(result: Diagnosis) -> dict:
                              for name, size in result.smallest.items()},
         'calibration': result.calibration,
         'sensor_zeros': result.zeros,
+        'sensor_delays': result.delays,
         'rivals': result.rivals,
         'probability': {
             'none': found.none, 'unknown': found.unknown,

@@ -17,7 +17,7 @@ from hst_drive.channels import LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.zeros import read_beyond
+from hst_drive.identify.zeros import late, read_beyond
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.turns import SLOW
@@ -130,7 +130,7 @@ def smooth_errors(campaign: Campaign, model: Fit) -> list[dict[str, np.ndarray]]
 def smooth(campaign: Campaign, log: int, values: np.ndarray) -> np.ndarray:
     """Return values of a log without what is faster than ``SLOW``; of a table as they are."""
     replay = campaign.replays[log]
-    if getattr(replay, 'static', False):
+    if replay.static:
         return values
     return gaussian_filter1d(values, max(SLOW / replay.run.sample_time, 0.5))
 
@@ -209,7 +209,7 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
     if not location.balance:
         return None
     part = PartModel(campaign.rig, model.model.effects, model.model.scales)
-    part.zeros = read_beyond(campaign.rig, model.model)
+    part.zeros, part.delays = read_beyond(campaign.rig, model.model), late(model.model)
     try:
         replay = PartReplay(campaign.replays[index].run, part)
     except InputError:

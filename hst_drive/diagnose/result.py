@@ -132,7 +132,7 @@ class NextTest(NamedTuple):
 
 class Zero(NamedTuple):
     """
-    What a sensor reads beyond the truth throughout, by its channel; SI.
+    What a sensor reads beyond the truth throughout, by its channel, SI; or how late, s.
 
     ``sigmas`` counts it in the standard deviation of what it may be.
     """
@@ -192,6 +192,8 @@ class Diagnosis:
         Channels beyond what the machine was commissioned for.
     since : tuple of str
         The recordings that it was commissioned on, if it was.
+    delays : tuple of Zero
+        How late its sensors read.
 
     """
 
@@ -214,6 +216,7 @@ class Diagnosis:
     held_out: tuple[str, ...] = ()
     outside: tuple[Outside, ...] = ()
     since: tuple[str, ...] = ()
+    delays: tuple[Zero, ...] = ()
 
 
 def require_schema(content: object, source: str) -> None:

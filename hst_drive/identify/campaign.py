@@ -19,7 +19,7 @@ from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
-from hst_drive.identify.zeros import read_beyond, zeros_of
+from hst_drive.identify.zeros import delays_of, late, read_beyond, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -84,6 +84,7 @@ class Campaign:
                          else shaking(replay.run) for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
         self.zeros = zeros_of(rig, self.replays, self.by_balance)
+        self.delays = delays_of(rig, self.replays)
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -95,6 +96,11 @@ class Campaign:
     def commissioned_unit(self) -> bool:
         """Whether the machine's own numbers were learnt on other logs (``Rig.fingerprint``)."""
         return self.rig.fingerprint is not None
+
+    @property
+    def sigmas(self) -> dict[str, float]:
+        """One sigma of all that tells this unit, and its sensors, from their datasheets."""
+        return {**self.tolerances, **self.zeros, **self.delays}
 
     @property
     def odds_asked(self) -> float:
@@ -256,7 +262,7 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
-        drive.zeros = read_beyond(self.rig, model)
+        drive.zeros, drive.delays = read_beyond(self.rig, model), late(model)
         drive.scale(model.scales)
         for name, values in self.switched(model).items():
             drive.switch_on(name, values)

@@ -252,14 +252,13 @@ def _step(linear: Linearised, unknowns: Unknowns, vector: np.ndarray, damping: f
 
 
 def at_limit(campaign: Campaign, key: str, value: float) -> bool:
-    """Say whether a factor (natural logarithm) or zero of the unit is as far off as it may be."""
-    return abs(value) > (SIGMAS - 0.01) * {**campaign.tolerances, **campaign.zeros}[key]
+    """Say whether a number that tells the unit (``Model.unit``) is as far off as it may be."""
+    return abs(value) > (SIGMAS - 0.01) * campaign.sigmas[key]
 
 
 def limited(campaign: Campaign, fitted: Fit) -> list[str]:
-    """Return the quantities, and channels with a zero, that are as far off as they may be."""
-    return [key for key, value in {**fitted.model.factors, **fitted.model.zeros}.items()
-            if at_limit(campaign, key, value)]
+    """Return the numbers that tell the unit (``Model.unit``) and are as far off as may be."""
+    return [key for key, value in fitted.model.unit.items() if at_limit(campaign, key, value)]
 
 
 def ended(campaign: Campaign, model: Model, names: Iterable[str]) -> bool:

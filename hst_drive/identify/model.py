@@ -21,12 +21,20 @@ class Model:
         Natural logarithm of the factor on each quantity of ``rig.tolerances``.
     zeros : dict of str to float
         What each sensor reads beyond the truth throughout, by channel, SI.
+    delays : dict of str to float
+        How late each sensor reads, by 'channel.delay', s.
 
     """
 
     effects: dict[str, dict[str, float]] = field(default_factory=dict)
     factors: dict[str, float] = field(default_factory=dict)
     zeros: dict[str, float] = field(default_factory=dict)
+    delays: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def unit(self) -> dict[str, float]:
+        """All that tells this unit, and its sensors, from their datasheets."""
+        return {**self.factors, **self.zeros, **self.delays}
 
     @property
     def scales(self) -> dict[str, float]:

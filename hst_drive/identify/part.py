@@ -11,7 +11,7 @@ from hst_drive.effects.slots import DRILLING_SPEED, LEAKS
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
-from hst_drive.identify.zeros import read_beyond
+from hst_drive.identify.zeros import late, read_beyond
 from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
@@ -59,6 +59,8 @@ class PartCampaign(Campaign):
                            if self._moves(Model({}, {key: value}))}
         self.zeros = {name: value for name, value in self.zeros.items()
                       if self._moves(Model({}, {}, {name: value}))}
+        self.delays = {name: value for name, value in self.delays.items()
+                       if self._moves(Model({}, {}, {}, {name: value}))}
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
@@ -111,7 +113,7 @@ class PartCampaign(Campaign):
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
         part = self.drive.changed(self.switched(model), model.scales)
-        part.zeros = read_beyond(self.rig, model)
+        part.zeros, part.delays = read_beyond(self.rig, model), late(model)
         return part
 
     def to_record(self, models: Sequence[Model]) -> str:

@@ -26,10 +26,10 @@ class Unknowns:
     """
     The unknowns of a model as a vector.
 
-    A factor or a sensor's zero counts in tolerances, a parameter of an effect in its typical size
-    (one that is typically 0 in the greatest it may have). What is in ``kept``, (effect,
-    parameter) or ('', factor or channel), stays as the model has it; a zero of which an effect
-    says all (``Effect.zero_of``) is none.
+    A factor or a sensor's zero or delay counts in tolerances, a parameter of an effect in its
+    typical size (one that is typically 0 in the greatest it may have). What is in ``kept``,
+    (effect, parameter) or ('', factor, channel or 'channel.delay'), stays as the model has it; a
+    zero of which an effect says all (``Effect.zero_of``) is none.
 
     Where factors are known together (``Campaign.ties``), the unknowns are those mixtures that are
     independent, each the nearest to its factor: the root of the correlation is symmetric. So the
@@ -38,9 +38,9 @@ class Unknowns:
 
     def __init__(self, campaign: Campaign, model: Model,
                  kept: Collection[tuple[str, str]] = ()):
-        self.tolerances = {**campaign.tolerances, **campaign.zeros}
+        self.tolerances = campaign.sigmas
         self.start = model
-        self._zeros = campaign.zeros
+        self._zeros, self._delays = campaign.zeros, campaign.delays
         self._said = {channel for name in model.effects for channel in effect_of(name).zero_of}
         factors = [('', key) for key in self.tolerances
                    if key not in self._said and ('', key) not in kept]
@@ -78,7 +78,7 @@ class Unknowns:
 
     def pack(self, model: Model) -> np.ndarray:
         """Return the vector of a model."""
-        unit = {**model.factors, **model.zeros}
+        unit = model.unit
         vector = np.array([unit.get(key, 0.0) if not effect else model.effects[effect][key]
                            for effect, key in self.names]) / self.scale
         vector[:self.factors] = np.linalg.solve(self._root, vector[:self.factors])
@@ -89,8 +89,10 @@ class Unknowns:
         values = self.mix(np.clip(vector, self.low, self.high))
         factors = dict(self.start.factors)
         zeros = {key: value for key, value in self.start.zeros.items() if key not in self._said}
+        delays = dict(self.start.delays)
         effects = {name: dict(values) for name, values in self.start.effects.items()}
         for (effect, key), value in zip(self.names, values):
-            known = effects[effect] if effect else zeros if key in self._zeros else factors
+            known = effects[effect] if effect else zeros if key in self._zeros else (
+                delays if key in self._delays else factors)
             known[key] = float(value)
-        return Model(effects, factors, zeros)
+        return Model(effects, factors, zeros, delays)

@@ -1,6 +1,11 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""What sensors read beyond the truth throughout: of which it is fitted, and how far it may go."""
+"""
+What sensors read beyond the truth throughout, and how late: what is fitted, how far it may go.
+
+An amplifier filters, a bus takes its time, and no two channels are alike in that. So each reading
+has a delay of its own; that all of them have together says the same as the actuator's lag.
+"""
 from __future__ import annotations
 
 from typing import Sequence
@@ -10,7 +15,10 @@ from hst_drive.identify.model import Model
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import DELAY
 import numpy as np
+
+LATE = '.delay'         # behind a channel's name: how late that reads
 
 
 def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],
@@ -27,6 +35,22 @@ def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],
              **{name: sigma for name, (_, sigma) in learnt.items()}}
     recorded = {name for replay in replays for name in replay.sensor_noise}
     return {name: value for name, value in found.items() if name in recorded}
+
+
+def delays_of(rig: Rig, replays: Sequence[Replay | PartReplay]) -> dict[str, float]:
+    """Return one standard deviation (s) of how late each sensor reads, by 'channel.delay'."""
+    if any(replay.static for replay in replays):
+        return {}       # operating points have no time
+    recorded = {name for replay in replays for name in replay.sensor_noise
+                if CHANNELS[name].hold == 'linear' and not CHANNELS[name].slow}
+    found = {f'{name}{LATE}': rig.sensors[name].delay_std if name in rig.sensors else DELAY
+             for name in sorted(recorded)}
+    return {name: value for name, value in found.items() if value}
+
+
+def late(model: Model) -> dict[str, float]:
+    """Return how late each sensor reads, s, by channel."""
+    return {name.removesuffix(LATE): value for name, value in model.delays.items()}
 
 
 def _usual(replays: Sequence[Replay | PartReplay]) -> dict[str, float]:

@@ -21,7 +21,7 @@ from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.floor import part_floor
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import bridged, gaps
+from hst_drive.measure.readings import bridged, gaps, slope
 from hst_drive.measure.run import Run, shifted, USUAL
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
@@ -100,6 +100,7 @@ class PartReplay:
             0.0 if self.static else _CREEPING * self.usual('motor_speed'),
             NO_SIGN * self._noise_of('motor_speed', model)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
+        self._slopes: dict[str, np.ndarray | float] = {}
         self._input_noise = {name: self._noise_of(name, model) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
         self._widths = {name: self._width(name, model) for name in self.signals}
@@ -232,7 +233,17 @@ class PartReplay:
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
         """Predict each signal from the others; ``extra`` is added to channels, SI."""
         true = _without(model.zeros, shifted(self._channels, extra or {}))
-        return shifted(self._predicted(model, self.balances, true, self._weak), model.zeros)
+        late = {name: delay * self._slope(name) for name, delay in model.delays.items() if delay}
+        found = self._predicted(model, self.balances, shifted(true, late), self._weak)
+        return shifted(shifted(found, model.zeros), {
+            name: -self._smooth(late[name], name) for name in found.keys() & late.keys()})
+
+    def _slope(self, name: str) -> np.ndarray | float:
+        """Return how fast a reading changes, per s."""
+        if name not in self._slopes:
+            self._slopes[name] = slope(self.run.time, self._channels[name]) if (
+                name in self._channels) else 0.0
+        return self._slopes[name]
 
     def would_read(self, model: PartModel,
                    balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:

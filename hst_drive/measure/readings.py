@@ -15,6 +15,7 @@ from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 _LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what rounding makes
 _COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
+_SLOPE = 1.0    # samples, deviation of the Gaussian behind which a reading's slope is taken
 _LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
 
@@ -100,6 +101,12 @@ class Readings:
             # mirrored at the ends: 'nearest' would hold one noisy sample for a second
             values = uniform_filter1d(values, width, mode='reflect')
         return values
+
+
+def slope(time: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return how fast a reading changes, per s, as smooth as some rows make it."""
+    return (gaussian_filter1d(values, _SLOPE, order=1, mode='nearest')
+            / gaussian_filter1d(time, _SLOPE, order=1, mode='nearest'))
 
 
 def _seen_step(values: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from typing import Iterator
 
 from hst_drive.measure.between import Between
 from hst_drive.measure.noise import Coloured, Smoother
-from hst_drive.measure.readings import filled, Readings
+from hst_drive.measure.readings import filled, Readings, slope
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import Behind, behind, load_side
 from hst_drive.measure.speed import speed_behind
@@ -80,6 +80,8 @@ class RecordedLoad:
     def _unexplained(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
         measured = measured - drive.zeros.get(self.torque, 0.0)
+        if delay := drive.delays.get(self.torque, 0.0):
+            measured = measured + delay * slope(self.run.time, measured)
         rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))

@@ -37,6 +37,7 @@ SIGNALS: tuple[str, ...] = (
     'pump_speed')
 STAMPS = 1e-3   # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
+_MIXED = 0.3, 1.7    # of a delay: their mean is late as two filters of half of it in a row are
 
 
 class Replay(RecordedLoad):
@@ -60,6 +61,7 @@ class Replay(RecordedLoad):
     """
 
     extra_std: dict[str, np.ndarray] = {}      # rows that are rougher than usual, SI
+    static = False      # rows are of a motion, not operating points
 
     def __init__(self, run: Run, drive: Drive):
         missing = [name for name in COMMANDS if name not in run]
@@ -256,13 +258,22 @@ class Replay(RecordedLoad):
         ``commands`` stand in place of the recorded ones, V.
         """
         if extra is not None or commands:
-            return shifted(self._predict(drive, extra, commands), drive.zeros)
+            return self._read(drive, self._predict(drive, extra, commands))
         # Noise, delays, floor and zeros of sensors, but the load's, ask for the same model again.
-        numbers, known = (drive.key(), drive.zeros.get(self.torque, 0.0)), self._predicted
+        numbers, known = (drive.key(), *(found.get(self.torque, 0.0) for found in (
+            drive.zeros, drive.delays))), self._predicted
         objects = self.inputs, self.readings, self.between, self.roughness, self.signals
         if known is None or known[0] != numbers or any(map(operator.is_not, known[1], objects)):
             known = self._predicted = numbers, objects, self._predict(drive, None, {})
-        return shifted(known[2], drive.zeros)
+        return self._read(drive, known[2])
+
+    def _read(self, drive: Drive, signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return what sensors read that are off at zero, and late: an amplifier's filter mixes."""
+        time = self.run.time
+        late = {name: np.mean([np.interp(time - share * delay, time, signals[name])
+                               for share in _MIXED], axis=0)
+                for name, delay in drive.delays.items() if delay and name in signals}
+        return shifted({**signals, **late}, drive.zeros)
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
                  commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

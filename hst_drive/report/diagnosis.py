@@ -38,10 +38,13 @@ def text(result: Diagnosis, short: bool = False) -> str:
         against = 'what it was when commissioned' if result.since else 'its datasheet'
         lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
                   _calibration(moved)]
-    off = [entry for entry in result.zeros if abs(entry.sigmas) >= 0.5]
-    if off:
-        lines += ['', 'zeros of sensors (off by half of what they may be, one sigma, or more):',
-                  _zeros(off)]
+    for title, head, found in (
+            ('zeros of sensors (off', 'reads beyond', result.zeros),
+            ('delays of sensors (late, or early,', 'reads late by', result.delays)):
+        off = [entry for entry in found if abs(entry.sigmas) >= 0.5]
+        if off:
+            lines += ['', f'{title} by half of what they may be, one sigma, or more):',
+                      _sensors(off, head)]
     same = [entry.quantity for entry in result.calibration if entry not in moved]
     if result.since and same:
         beside = ', beside what was found' if result.effects else ''
@@ -89,8 +92,8 @@ def _calibration(moved) -> str:
                    'at its limit' if entry.at_limit else ''] for entry in moved])
 
 
-def _zeros(off) -> str:
-    return table(['sensor', 'reads beyond', 'unit', 'sigma'],
+def _sensors(off, head: str) -> str:
+    return table(['sensor', head, 'unit', 'sigma'],
                  [[entry.channel, *size(entry.value, entry.unit), f'{entry.sigmas:+.1f}']
                   for entry in off])
 

@@ -172,12 +172,14 @@ def unit_section(diagnosis: dict) -> Markup:
             f'What calibration moved, within three tolerances of {_start(diagnosis)}'))
     else:
         parts.append(element('p', 'Calibration moved nothing by a tenth of a tolerance.'))
-    zeros = [entry for entry in diagnosis.get('sensor_zeros') or ()
-             if abs(entry['sigmas']) >= 0.5]
-    if zeros:
-        parts.append(table(['sensor', 'reads beyond', '', 'sigma'], [
-            [entry['channel'], *_amount(entry), f'{entry["sigmas"]:+.1f}'] for entry in zeros],
-            'Zeros of sensors, in one sigma of what they may be off'))
+    for key, head, title in (
+            ('sensor_zeros', 'reads beyond', 'Zeros of sensors, in one sigma of what they may be'),
+            ('sensor_delays', 'reads late by', 'Delays of sensors, in one sigma of the usual')):
+        off = [entry for entry in diagnosis.get(key) or () if abs(entry['sigmas']) >= 0.5]
+        if off:
+            parts.append(table(['sensor', head, '', 'sigma'], [
+                [entry['channel'], *_amount(entry), f'{entry["sigmas"]:+.1f}'] for entry in off],
+                title))
     smallest = diagnosis.get('smallest_visible') or {}
     if smallest:
         rows = []

@@ -31,6 +31,7 @@ _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
 _TOP = (*SECTIONS, 'name', 'circuit', 'sensors', 'tolerances_1_sigma_relative',
         'characterised_at_oil_temperature_degC', 'effects', 'calibration', SECTION, 'provenance')
 _SHOWN = 12     # keys in a message
+_DELAY = 'delay_std_s'
 
 
 def load_rig(path: str | Path | None = None) -> Rig:
@@ -307,8 +308,8 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         suffix, unit = SENSOR_UNITS[name]
         keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'zero_std', 'range'))
         where = f'sensors.{name}'
-        _known(content, keys, source, where)
-        if not {keys[0], keys[2]} & content.keys():
+        _known(content, (*keys, _DELAY), source, where)
+        if not {keys[0], keys[2], _DELAY} & content.keys():
             raise InputError(f"{source}: key '{where}.{keys[0]}' is missing; add it")
         noise, step, zero = (difference_to_si(_number(
             content.get(key, 0), 0, 1e6, source, f'{where}.{key}', unit), unit)
@@ -316,7 +317,9 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         limits = None
         if keys[3] in content:
             limits = _limits(content[keys[3]], source, f'{where}.{keys[3]}', unit)
-        sensors[name] = Sensor(noise, step, limits, zero)
+        delay = _number(content.get(_DELAY, parts.DELAY), 0, 10, source,
+                        f'{where}.{_DELAY}', 's')
+        sensors[name] = Sensor(noise, step, limits, zero, delay)
     return sensors
 
 

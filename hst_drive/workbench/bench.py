@@ -190,9 +190,10 @@ class Workbench:
         """
         self.base.rig(model)
         whole = _campaign_model(model)
-        # The page has no zeros of sensors: they stay as the rig file has them.
+        # The page has no zeros and delays of sensors: they stay as the rig file has them.
         kept = {*locked, *(('', key) for key in (
-            *(() if unit else self.campaign.tolerances), *self.campaign.zeros))}
+            *(() if unit else self.campaign.tolerances), *self.campaign.zeros,
+            *self.campaign.delays))}
         found = fit(in_step(self.campaign, whole), whole, iterations=_FIT_STEPS, kept=kept,
                     progress=progress).model
         return PageModel(found.effects, {

@@ -3,11 +3,11 @@
 """An effect that the rig has adopted: as it was, grown, shrunk, gone; and adopted anew."""
 import json
 
-from hst_drive.cli.output import plain
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.document import as_json
+from hst_drive.plain import plain
 from hst_drive.rig import parse_rig
 import pytest
 

@@ -23,8 +23,12 @@ class Linear:
 
     tolerances = TOLERANCES
     ties = {}
-    zeros = {}
+    zeros = delays = {}
     adopted = {}
+
+    @property
+    def sigmas(self):
+        return self.tolerances
 
     def __init__(self, matrix, values):
         self.matrix, self.values = matrix, values

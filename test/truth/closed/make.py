@@ -103,7 +103,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
                   noise: float = 1.0, duration: float = 40.0, forms: dict | None = None,
                   logs: tuple[str, ...] = work.LOGS, channels: list[str] | None = None,
                   refine: int = 1, changes: dict | None = None, unit: dict | None = None,
-                  command: dict[str, np.ndarray] | None = None) -> Campaign:
+                  command: dict[str, np.ndarray] | None = None,
+                  delay: dict[str, float] | None = None) -> Campaign:
     """
     Make one campaign of a circuit.
 
@@ -186,7 +187,7 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         states = {key: out[:, i] for i, key in enumerate(KERNEL[name].OUT)}
         states.update(setpoint=do['setpoint'], small=do['small'], temperature=degrees, noise=tick)
         measured[log] = readings.sample(states, channels, rate, sheet, value, form, here,
-                                        noise)
+                                        noise, delay or {})
         exact[log] = states
         heat[log] = [round(float(degrees[0]), 2), round(float(degrees[-1]), 2)]
     listed = catalogue.LISTED[name]

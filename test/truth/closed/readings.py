@@ -41,15 +41,16 @@ def ideal(channel: str, x: np.ndarray, value: dict, form: dict) -> np.ndarray:
 
 def sample(states: dict[str, np.ndarray], channels: list[str], rate: float, sheet: dict,
            value: dict, form: dict, rng: np.random.Generator,
-           noise: float) -> dict[str, np.ndarray]:
-    """Return the columns 'name[unit]' of a log from states per millisecond (SI)."""
+           noise: float, delay: dict[str, float]) -> dict[str, np.ndarray]:
+    """Return the columns 'name[unit]' of a log from states per ms (SI); ``delay`` is in s."""
     n = states['u'].size
     times = np.arange(int(n / 1000 * rate)) / rate
     at = np.round(times * 1000).astype(int)
     out = {'time[s]': np.round(times, 6)}
     for channel in channels:
         key, unit, size, quantity = CHANNELS[channel]
-        x = ideal(channel, states[key][at], value, form) / size
+        late = np.maximum(at - round(1000 * delay.get(channel, 0.0)), 0)
+        x = ideal(channel, states[key][late], value, form) / size
         if quantity:
             numbers = sheet['sensors'][channel]
             sigma = numbers[f'noise_std_{quantity}'] * noise
