@@ -133,8 +133,7 @@ def line(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:
 
 def stroke(model: PartModel, known: Known, channels: Known, weak: Weak) -> Any:
     """Return the pump's displacement."""
-    if weak.time is not None and any(np.any(model.terms(slot, known))
-                                     for slot in ('pump_play', 'pump_stroke_time')):
+    if weak.time is not None:
         known = {**known, **resting(model, known, channels)}
     return model.stroke(weak.time, channels['pump_command'], known)
 

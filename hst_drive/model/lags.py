@@ -44,9 +44,10 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
     rate, back_rate : float
         Most that it rises and falls, units of the target per second.
     start : float, optional
-        Where it is first, if its speed is limited; by default on its target.
+        Where it is first; by default on its target.
 
     """
+    start = target[0] if start is None else start
     steps = np.append(np.diff(time), 0.0)
     up, down = (-np.expm1(-steps / entry) for entry in (
         lag, lag if back_lag is None else back_lag))
@@ -59,12 +60,12 @@ def follow(time: np.ndarray, target: np.ndarray, lag: float, rate: float = math.
         for _ in time:
             share = np.where(rising, up, down)
             out = solve_banded((1, 0), [np.ones(len(time)), share - 1.0], np.append(
-                target[:1], share[:-1] * target[:-1]), check_finite=False)
+                start, share[:-1] * target[:-1]), check_finite=False)
             before, rising = rising, target > out
             if back_lag in (None, lag) or np.array_equal(before, rising):
                 break
         return out
-    out, value = np.empty(len(time)), target[0] if start is None else start
+    out, value = np.empty(len(time)), start
     for k, goal in enumerate(target):
         out[k] = value
         move = (goal - value) * (up[k] if goal > value else down[k])
