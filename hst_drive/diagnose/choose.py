@@ -15,7 +15,7 @@ from hst_drive.identify.fit import limited
 from hst_drive.identify.observable import Visibility, visibility
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
-from hst_drive.identify.weigh import log_odds
+from hst_drive.identify.weigh import log_odds, log_odds_of
 import numpy as np
 
 
@@ -34,27 +34,26 @@ def exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple
             for name, group in rivals.items() for rival in group}
 
 
-def off_its_curve(search: Search, best: Candidate, left: Container[str]) -> Campaign | None:
+def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign | None:
     """
-    Return the campaign of a pump that is off its curve, if then an effect less will do.
+    Return the campaign of readings that are late, and of a pump off its curve, if that will do.
 
-    ``left`` are the signals that the set leaves unexplained. Of a machine that was commissioned,
-    and where balances are judged one by one, the curve's waves are known, or the unit's already;
-    so they are where the rig file says of them.
+    ``left`` are the signals that the set leaves unexplained. It will do if then an effect less is
+    enough. Where something is left it also will if that explains it, or if the logs are far
+    likelier, and no sensor is as late as it may be.
     """
-    campaign = search.campaign
-    if campaign.by_balance or campaign.commissioned_unit or not (best.names or left):
+    other = search.campaign.doubted() if best.names or left else None
+    if not other:
         return None
-    doubted = campaign.doubted()
-    if not doubted:
-        return None
-    wavy = Search(doubted, search.candidates, search.progress)
-    full = wavy.refine(wavy.try_all([(best.names, best.fit)], 'doubting the curve')[0])
-    fewer = wavy.try_all([({*best.names} - {name}, full.fit.without(name))
-                          for name in best.names], 'doubting the curve')
-    will_do = left and not wavy.unexplained(full) or any(
-        not wavy.unexplained(rest) and not wavy.asked(rest, full) for rest in fewer)
-    return wavy.campaign if will_do else None
+    again = Search(other, search.candidates, search.progress)
+    full = again.refine(again.try_all([(best.names, best.fit)], 'doubting the curve')[0])
+    fewer = again.try_all([({*best.names} - {name}, full.fit.without(name))
+                           for name in best.names], 'doubting the curve')
+    likelier = log_odds_of(search, best, other, full) > CREDIBLE and not (
+        {*limited(other, full.fit)} & other.delays.keys())
+    will_do = left and (likelier or not again.unexplained(full)) or any(
+        not again.unexplained(rest) and not again.asked(rest, full) for rest in fewer)
+    return again.campaign if will_do else None
 
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:

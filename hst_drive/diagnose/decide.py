@@ -12,7 +12,7 @@ from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import (
-    exchanged, instead_of_the_unit, likeliest, off_its_curve, rivals_of, searched)
+    doubted, exchanged, instead_of_the_unit, likeliest, rivals_of, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
@@ -75,9 +75,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         _refuse_short(campaign, logs)
     search, seen = searched(campaign, progress)
     best, left, better, more = _explained(search)
-    wavy = off_its_curve(search, best, left)
-    if wavy:
-        search, seen = searched(wavy, progress)
+    other = doubted(search, best, left)
+    if other:
+        search, seen = searched(other, progress)
         best, left, better, more = _explained(search)
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned

@@ -19,7 +19,7 @@ from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
-from hst_drive.identify.zeros import delays_of, late, read_beyond, zeros_of
+from hst_drive.identify.zeros import DELAY, delays_of, late, read_beyond, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -244,9 +244,18 @@ class Campaign:
         return self
 
     def doubted(self) -> Campaign | None:
-        """Return the campaign of a pump off its curve in waves; None if the rig says of them."""
-        waves = {key: sigma for key, sigma in DOUBTED_WAVES.items() if key not in self.rig.scatter}
-        return self._changed(tolerances={**waves, **self.tolerances}) if waves else None
+        """
+        Return the campaign of readings that are late, and of a pump off its curve in waves.
+
+        None if the rig file says of all that. Of a machine that was commissioned, and where
+        balances are judged one by one, the waves are known, or the unit's already.
+        """
+        waves = {} if self.by_balance or self.commissioned_unit else {
+            key: sigma for key, sigma in DOUBTED_WAVES.items() if key not in self.rig.scatter}
+        delays = delays_of(self.rig, self.replays, DELAY)
+        if not waves and delays.keys() <= self.delays.keys():
+            return None
+        return self._changed(tolerances={**waves, **self.tolerances}, delays=delays)
 
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""

@@ -101,6 +101,15 @@ def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     return found - found[0]
 
 
+def log_odds_of(search: Search, best: Candidate, campaign: Campaign, other: Candidate) -> float:
+    """Return the log odds of a set that was fitted in another campaign against one."""
+    explanations, sensors = _explanations(search, [
+        (best.names, search.campaign, best.fit, True), (other.names, campaign, other.fit, True)])
+    first, second = (evidence(entry, sensors, len(search.candidates))[0]
+                     for entry in explanations)
+    return second - first
+
+
 def log_odds_unlisted(search: Search, best: Candidate, campaign: Campaign, fitted: Fit) -> float:
     """Return the log odds of something unlisted, fitted in a campaign, against a set."""
     (listed, other), sensors = _explanations(search, [

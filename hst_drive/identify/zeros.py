@@ -15,10 +15,10 @@ from hst_drive.identify.model import Model
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.replay import Replay
 from hst_drive.rig import Rig
-from hst_drive.rig.rig import DELAY
 import numpy as np
 
 LATE = '.delay'         # behind a channel's name: how late that reads
+DELAY = 0.005           # s, one sigma: amplifiers filter from 30 Hz on, and a bus takes its time
 
 
 def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],
@@ -37,14 +37,21 @@ def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],
     return {name: value for name, value in found.items() if name in recorded}
 
 
-def delays_of(rig: Rig, replays: Sequence[Replay | PartReplay]) -> dict[str, float]:
-    """Return one standard deviation (s) of how late each sensor reads, by 'channel.delay'."""
+def delays_of(rig: Rig, replays: Sequence[Replay | PartReplay],
+              usual: float = 0.0) -> dict[str, float]:
+    """
+    Return one standard deviation (s) of how late each sensor reads, by 'channel.delay'.
+
+    It is ``usual`` where the rig file does not say; what is 0 is left out.
+    """
     if any(replay.static for replay in replays):
         return {}       # operating points have no time
-    recorded = {name for replay in replays for name in replay.sensor_noise
-                if CHANNELS[name].hold == 'linear' and not CHANNELS[name].slow}
-    found = {f'{name}{LATE}': rig.sensors[name].delay_std if name in rig.sensors else DELAY
-             for name in sorted(recorded)}
+    found = {}
+    for name in sorted({name for replay in replays for name in replay.sensor_noise}):
+        sensor = rig.sensors.get(name)
+        stated = sensor.delay_std if sensor else None
+        if CHANNELS[name].hold == 'linear' and not CHANNELS[name].slow:
+            found[f'{name}{LATE}'] = usual if stated is None else stated
     return {name: value for name, value in found.items() if value}
 
 

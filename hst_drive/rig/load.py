@@ -317,8 +317,8 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         limits = None
         if keys[3] in content:
             limits = _limits(content[keys[3]], source, f'{where}.{keys[3]}', unit)
-        delay = _number(content.get(_DELAY, parts.DELAY), 0, 10, source,
-                        f'{where}.{_DELAY}', 's')
+        delay = _number(content[_DELAY], 0, 10, source, f'{where}.{_DELAY}', 's') if (
+            _DELAY in content) else None
         sensors[name] = Sensor(noise, step, limits, zero, delay)
     return sensors
 

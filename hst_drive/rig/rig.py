@@ -22,7 +22,6 @@ WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
 NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
-DELAY = 0.005       # s, one sigma: amplifiers filter from some 30 Hz on, and a bus takes its time
 
 
 @dataclass(frozen=True)
@@ -171,14 +170,15 @@ class Sensor:
     Standard deviation of the noise, step of the reading and range, all in SI.
 
     ``zero_std`` is one standard deviation of how far the zero may be off, ``delay_std`` (s) of how
-    late it may read. Where nobody said, a number is 0: records show their noise by themselves.
+    late it may read, None where nobody said. Other numbers are 0 then: records show their noise by
+    themselves.
     """
 
     noise_std: float
     resolution: float = 0.0
     range: tuple[float, float] | None = None
     zero_std: float = 0.0
-    delay_std: float = DELAY
+    delay_std: float | None = None
 
 
 @dataclass(frozen=True)

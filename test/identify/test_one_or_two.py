@@ -10,6 +10,7 @@ from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.rig import default_rig
+from hst_drive.rig.rig import Sensor
 from hst_drive.rig.schema import DOUBTED_WAVES, WAVES
 import numpy as np
 import pytest
@@ -91,4 +92,8 @@ def test_what_the_rig_file_says_of_the_curve_is_not_doubted():
     assert tolerances[WAVES[0]] == 0.004 and WAVES[1] not in tolerances
     assert tolerances[WAVES[2]] == DOUBTED_WAVES[WAVES[2]]
     known = replace(rig, tolerances={**rig.tolerances, **dict.fromkeys(WAVES, 0.0)})
-    assert Campaign(known, runs).doubted() is None
+    other = Campaign(known, runs).doubted()
+    assert other.delays and not {*WAVES} & {*other.tolerances}
+    exact = {name: replace(known.sensors.get(name, Sensor(0.0)), delay_std=0.0)
+             for name in other.replays[0].noise}
+    assert Campaign(replace(known, sensors={**known.sensors, **exact}), runs).doubted() is None

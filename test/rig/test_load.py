@@ -262,12 +262,12 @@ def test_of_a_sensor_the_zero_alone_may_be_stated():
     assert (sensor.noise_std, sensor.zero_std) == (0.0, pytest.approx(0.2 * 2 * math.pi / 60))
 
 
-def test_how_late_a_sensor_may_read_is_stated_or_usual():
-    """An amplifier and a bus take some milliseconds; 0 says that the logger knows better."""
+def test_how_late_a_sensor_may_read_may_be_stated():
+    """0 says that the logger reads all channels at once."""
     content = changed('sensors.motor_speed', {'noise_std_rpm': 0.1, 'delay_std_s': 0.0})
     sensors = parse_rig(content, 'rig.yaml').sensors
     assert sensors['motor_speed'].delay_std == 0.0
-    assert sensors['pump_outlet_pressure'].delay_std == 0.005
+    assert sensors['pump_outlet_pressure'].delay_std is None
 
 
 def test_parameters_that_are_left_out_are_neutral():

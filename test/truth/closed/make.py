@@ -142,6 +142,8 @@ def make_campaign(name: str, seed: int, effects: dict[str, float] | None = None,
         Toleranced number to a factor on what this unit has.
     command : dict
         Log to its command per millisecond, V: nothing is controlled.
+    delay : dict
+        Channel to how late it is read, s.
 
     """
     changes = dict(changes or {})
