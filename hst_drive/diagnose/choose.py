@@ -6,6 +6,7 @@ from __future__ import annotations
 from math import log
 from typing import Callable, Container, Mapping, Sequence
 
+from hst_drive.diagnose.free_forms import beyond_noise, REST
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.identify.alternatives import alternatives
@@ -39,8 +40,8 @@ def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign |
     Return the campaign of readings that are late, and of a pump off its curve, if that will do.
 
     ``left`` are the signals that the set leaves unexplained. It will do if then an effect less is
-    enough. Where something is left it also will if that explains it, or if the logs are far
-    likelier, and no sensor is as late as it may be.
+    enough. Where something is left it also will if that explains it, or most of it, the logs are
+    far likelier, and no sensor is as late as it may be.
     """
     other = search.campaign.doubted() if best.names or left else None
     if not other:
@@ -49,7 +50,8 @@ def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign |
     full = again.refine(again.try_all([(best.names, best.fit)], 'doubting the curve')[0])
     fewer = again.try_all([({*best.names} - {name}, full.fit.without(name))
                            for name in best.names], 'doubting the curve')
-    likelier = log_odds_of(search, best, other, full) > CREDIBLE and not (
+    likelier = log_odds_of(search, best, other, full) > CREDIBLE and beyond_noise(
+        other, full.fit) <= REST * beyond_noise(search.campaign, best.fit) and not (
         {*limited(other, full.fit)} & other.delays.keys())
     will_do = left and (likelier or not again.unexplained(full)) or any(
         not again.unexplained(rest) and not again.asked(rest, full) for rest in fewer)

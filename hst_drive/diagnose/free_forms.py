@@ -20,7 +20,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_unlisted
 import numpy as np
 
-_REST = 0.25            # of the excess squared error: who leaves more explains something else
+REST = 0.25            # of the excess squared error: who leaves more explains something else
 PATIENT = 8             # steps of a fit that begins far from where it ends
 _START = 1e-3           # of a formula's typical size: where its fit starts
 
@@ -83,7 +83,7 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
     if not search.unexplained(best._replace(fit=trial)):
         return True
     before, after = (beyond_noise(campaign, entry) for entry in (best.fit, trial))
-    return 0.0 < before and after <= _REST * before
+    return 0.0 < before and after <= REST * before
 
 
 def beyond_noise(campaign: Campaign, fitted: Fit) -> float:
