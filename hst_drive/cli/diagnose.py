@@ -76,9 +76,10 @@ def tell_notes(runs: Sequence[Run], rig: str | None) -> None:
     from hst_drive.measure.balances import is_part
     from hst_drive.rig import default_rig
 
-    if rig is None and any(is_part(entry, default_rig()) for entry in runs):
-        say(f"no --rig: taken for logs of the shipped '{default_rig().name}'; give --rig RIG.yaml "
-            'for another machine')
+    shipped = None if rig else default_rig()
+    if shipped and any(is_part(entry, shipped) for entry in runs):
+        say(f"no --rig: taken for logs of the shipped '{shipped.name}'; give --rig RIG.yaml for "
+            'another machine')
     for entry in runs:
         for note in entry.notes:
             say(f'{entry.name}: {note}')

@@ -47,15 +47,20 @@ def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign |
     if not other:
         return None
     again = Search(other, search.candidates, search.progress)
-    full = again.refine(again.try_all([(best.names, best.fit)], 'doubting the curve')[0])
+    full = again.refine(again.try_all([(best.names, best.fit)], 'doubting curve and sensors')[0])
+    if left and (not again.unexplained(full) or _most_of_it(search, best, other, full)):
+        return again.campaign
     fewer = again.try_all([({*best.names} - {name}, full.fit.without(name))
-                           for name in best.names], 'doubting the curve')
-    likelier = log_odds_of(search, best, other, full) > CREDIBLE and beyond_noise(
-        other, full.fit) <= REST * beyond_noise(search.campaign, best.fit) and not (
-        {*limited(other, full.fit)} & other.delays.keys())
-    will_do = left and (likelier or not again.unexplained(full)) or any(
-        not again.unexplained(rest) and not again.asked(rest, full) for rest in fewer)
-    return again.campaign if will_do else None
+                           for name in best.names], 'doubting curve and sensors')
+    return again.campaign if any(not again.unexplained(rest) and not again.asked(rest, full)
+                                 for rest in fewer) else None
+
+
+def _most_of_it(search: Search, best: Candidate, other: Campaign, full: Candidate) -> bool:
+    """Say whether a set, fitted in another campaign, explains most of what the best one leaves."""
+    late = {*limited(other, full.fit)} & other.delays.keys()
+    return not late and log_odds_of(search, best, other, full) > CREDIBLE and beyond_noise(
+        other, full.fit) <= REST * beyond_noise(search.campaign, best.fit)
 
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:

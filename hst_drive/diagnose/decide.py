@@ -3,7 +3,6 @@
 """From fitted candidates to an answer: none, found, ambiguous or unknown."""
 from __future__ import annotations
 
-import math
 from typing import Callable, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
@@ -15,8 +14,9 @@ from hst_drive.diagnose.choose import (
     doubted, exchanged, instead_of_the_unit, likeliest, rivals_of, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
-    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value, Zero)
+    Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
 from hst_drive.diagnose.sentence import beyond, limits, listed, nearly, sentence, times
+from hst_drive.diagnose.unit import at_limits, calibration, sensors
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
 from hst_drive.errors import InputError
@@ -24,7 +24,7 @@ from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
 from hst_drive.identify.evidence import decided
-from hst_drive.identify.fit import at_limit, Fit, fit, for_sizes, limited
+from hst_drive.identify.fit import Fit, fit, for_sizes
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.model import Model
@@ -32,7 +32,6 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
 from hst_drive.identify.weigh import weigh
-from hst_drive.identify.zeros import LATE
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -89,9 +88,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     if drifting:
         remaining = unknowns.sensor_that_drifts(drifting[0].channel)
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
-    strained = [f'the zero of {key}' if key in campaign.zeros else
-                f'the delay of {key.removesuffix(LATE)}' if key in campaign.delays else key
-                for key in limited(campaign, best.fit)]
+    strained = at_limits(campaign, best.fit)
     beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
@@ -130,8 +127,9 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
-        calibration=_calibration(campaign, best.fit), zeros=_sensors(
-            best.fit.model.zeros, campaign), delays=_sensors(best.fit.model.delays, campaign),
+        calibration=calibration(campaign, best.fit),
+        zeros=sensors(campaign, best.fit.model.zeros),
+        delays=sensors(campaign, best.fit.model.delays),
         probability=given, unknown=remaining,
         next_test=_measure(search, best, strained) if or_none else
         _next_test(search, best, rivals) if ambiguous else None,
@@ -269,21 +267,6 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
             told[entry.id] = (f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times '
                               f'the noise, {named} at {times(left[worst])}')
     return told
-
-
-def _calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
-    return tuple(sorted(
-        (Calibrated(key, campaign.expected.get(key, 1.0) * math.exp(value),
-                    value / campaign.tolerances[key], at_limit(campaign, key, value))
-         for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
-
-
-def _sensors(found: Mapping[str, float], campaign: Campaign) -> tuple[Zero, ...]:
-    """Return zeros or delays, the greatest in their sigmas first."""
-    return tuple(sorted((
-        Zero(key.removesuffix(LATE), value,
-             's' if key in campaign.delays else CHANNELS[key].unit, value / campaign.sigmas[key])
-        for key, value in found.items()), key=lambda item: -abs(item.sigmas)))
 
 
 def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:

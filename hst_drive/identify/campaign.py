@@ -252,10 +252,14 @@ class Campaign:
         """
         waves = {} if self.by_balance or self.commissioned_unit else {
             key: sigma for key, sigma in DOUBTED_WAVES.items() if key not in self.rig.scatter}
-        delays = delays_of(self.rig, self.replays, DELAY)
+        delays = self._delays(DELAY)
         if not waves and delays.keys() <= self.delays.keys():
             return None
         return self._changed(tolerances={**waves, **self.tolerances}, delays=delays)
+
+    def _delays(self, usual: float = 0.0) -> dict[str, float]:
+        """Return how late each sensor may read, ``usual`` where the rig file does not say."""
+        return delays_of(self.rig, self.replays, usual)
 
     def copied(self) -> Campaign:
         """Return a campaign whose recordings can be changed while others use these."""

@@ -59,8 +59,7 @@ class PartCampaign(Campaign):
                            if self._moves(Model({}, {key: value}))}
         self.zeros = {name: value for name, value in self.zeros.items()
                       if self._moves(Model({}, {}, {name: value}))}
-        self.delays = {name: value for name, value in self.delays.items()
-                       if self._moves(Model({}, {}, {}, {name: value}))}
+        self.delays = self._delays()
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
@@ -202,6 +201,10 @@ class PartCampaign(Campaign):
             if column.signal == name:
                 count += len(column.rows(held_out)) * self.thinning(column)**2
         return 2.0 * float(np.sqrt(2.0 / max(count, 1.0)))
+
+    def _delays(self, usual: float = 0.0) -> dict[str, float]:
+        return {name: value for name, value in super()._delays(usual).items()
+                if self._moves(Model({}, {}, {}, {name: value}))}
 
     def _moves(self, model: Model) -> bool:
         return self._differ(self.errors(model), self._still)

@@ -90,9 +90,9 @@ class Unknowns:
         factors = dict(self.start.factors)
         zeros = {key: value for key, value in self.start.zeros.items() if key not in self._said}
         delays = dict(self.start.delays)
+        read = {**dict.fromkeys(self._zeros, zeros), **dict.fromkeys(self._delays, delays)}
         effects = {name: dict(values) for name, values in self.start.effects.items()}
         for (effect, key), value in zip(self.names, values):
-            known = effects[effect] if effect else zeros if key in self._zeros else (
-                delays if key in self._delays else factors)
+            known = effects[effect] if effect else read.get(key, factors)
             known[key] = float(value)
         return Model(effects, factors, zeros, delays)

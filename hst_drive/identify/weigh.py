@@ -94,29 +94,29 @@ def weigh(search: Search, best: Candidate) -> Probability:
 
 def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     """Return the logarithm of how much more probable fitted sets are than the first of them."""
-    explanations, sensors = _explanations(search, [
-        (entry.names, search.campaign, entry.fit, True) for entry in entries])
-    found = np.array([evidence(entry, sensors, len(search.candidates))[0]
-                      for entry in explanations])
-    return found - found[0]
+    return _odds(search, [(entry.names, search.campaign, entry.fit, True) for entry in entries])
 
 
 def log_odds_of(search: Search, best: Candidate, campaign: Campaign, other: Candidate) -> float:
     """Return the log odds of a set that was fitted in another campaign against one."""
-    explanations, sensors = _explanations(search, [
-        (best.names, search.campaign, best.fit, True), (other.names, campaign, other.fit, True)])
-    first, second = (evidence(entry, sensors, len(search.candidates))[0]
-                     for entry in explanations)
-    return second - first
+    return float(_odds(search, [(best.names, search.campaign, best.fit, True),
+                                (other.names, campaign, other.fit, True)])[1])
 
 
 def log_odds_unlisted(search: Search, best: Candidate, campaign: Campaign, fitted: Fit) -> float:
     """Return the log odds of something unlisted, fitted in a campaign, against a set."""
-    (listed, other), sensors = _explanations(search, [
-        (best.names, search.campaign, best.fit, True),
-        (_listed(search, fitted), campaign, fitted, False)])
-    count = len(search.candidates)
-    return evidence(other, sensors, count)[1] - evidence(listed, sensors, count)[0]
+    return float(_odds(search, [(best.names, search.campaign, best.fit, True),
+                                (_listed(search, fitted), campaign, fitted, False)])[1])
+
+
+def _odds(search: Search,
+          fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]) -> np.ndarray:
+    """Return the log odds of explanations, as ``_explanations`` has them, against the first."""
+    explanations, sensors = _explanations(search, fitted)
+    # What is not listed is weighed by itself, a set without anything unlisted beside it.
+    found = np.array([evidence(entry, sensors, len(search.candidates))[not entry.listed]
+                      for entry in explanations])
+    return found - found[0]
 
 
 def _explanations(search: Search, fitted: Sequence[tuple[tuple[str, ...], Campaign, Fit, bool]]

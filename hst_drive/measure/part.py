@@ -100,7 +100,7 @@ class PartReplay:
             0.0 if self.static else _CREEPING * self.usual('motor_speed'),
             NO_SIGN * self._noise_of('motor_speed', model)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
-        self._slopes: dict[str, np.ndarray | float] = {}
+        self._slopes: dict[str, np.ndarray] = {}
         self._input_noise = {name: self._noise_of(name, model) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
         self._widths = {name: self._width(name, model) for name in self.signals}
@@ -206,9 +206,7 @@ class PartReplay:
     def _rate(self, values: np.ndarray, name: str) -> np.ndarray:
         if self.static or not self._widths[name]:
             return np.zeros(len(values))
-        width = self._widths[name]
-        return (gaussian_filter1d(values, width, order=1, mode='nearest')
-                / gaussian_filter1d(self.run.time, width, order=1, mode='nearest'))
+        return slope(self.run.time, values, self._widths[name])
 
     def _measured(self, name: str) -> np.ndarray:
         """Return what the prediction is compared with; NaN where it is not known."""
@@ -233,16 +231,16 @@ class PartReplay:
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
         """Predict each signal from the others; ``extra`` is added to channels, SI."""
         true = _without(model.zeros, shifted(self._channels, extra or {}))
-        late = {name: delay * self._slope(name) for name, delay in model.delays.items() if delay}
+        late = {name: delay * self._slope(name) for name, delay in model.delays.items()
+                if delay and name in self._channels}
         found = self._predicted(model, self.balances, shifted(true, late), self._weak)
         return shifted(shifted(found, model.zeros), {
             name: -self._smooth(late[name], name) for name in found.keys() & late.keys()})
 
-    def _slope(self, name: str) -> np.ndarray | float:
+    def _slope(self, name: str) -> np.ndarray:
         """Return how fast a reading changes, per s."""
         if name not in self._slopes:
-            self._slopes[name] = slope(self.run.time, self._channels[name]) if (
-                name in self._channels) else 0.0
+            self._slopes[name] = slope(self.run.time, self._channels[name])
         return self._slopes[name]
 
     def would_read(self, model: PartModel,

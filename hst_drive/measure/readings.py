@@ -103,10 +103,10 @@ class Readings:
         return values
 
 
-def slope(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return how fast a reading changes, per s, as smooth as some rows make it."""
-    return (gaussian_filter1d(values, _SLOPE, order=1, mode='nearest')
-            / gaussian_filter1d(time, _SLOPE, order=1, mode='nearest'))
+def slope(time: np.ndarray, values: np.ndarray, width: float = _SLOPE) -> np.ndarray:
+    """Return how fast a reading changes, per s, behind a Gaussian of so many samples."""
+    return (gaussian_filter1d(values, width, order=1, mode='nearest')
+            / gaussian_filter1d(time, width, order=1, mode='nearest'))
 
 
 def _seen_step(values: np.ndarray) -> float:

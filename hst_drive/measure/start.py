@@ -159,13 +159,15 @@ def resting(model: PartModel, known: Mapping[str, np.ndarray],
     """
     Return where the pump's plate 'starts_at', and 'rests_at' before the command moves, m^3/rad.
 
-    A plate with play rests where the readings say, not where the command says, and a slow one may
-    be on its way. Empty if nothing tells. ``known`` is what the pump's flow depends on, and the
-    true 'flow' (m^3/s) if that is known. ``channels`` are readings, SI.
+    A plate with play rests where the readings say, not where the command says (of one without it
+    is not asked), and a slow one may be on its way. Empty if nothing tells. ``known`` is what the
+    pump's flow depends on, and the true 'flow' (m^3/s) if that is known. ``channels`` are
+    readings, SI.
     """
-    command = channels['pump_command']
-    moves = int(np.argmax(np.abs(command - command[0]) > _STILL)) or len(command)
-    places = {'starts_at': slice(1), 'rests_at': slice(max(moves - _FIRST, 0), max(moves, _FIRST))}
+    command, places = channels['pump_command'], {'starts_at': slice(1)}
+    if np.any(model.terms('pump_play', known)):
+        moves = int(np.argmax(np.abs(command - command[0]) > _STILL)) or len(command)
+        places['rests_at'] = slice(max(moves - _FIRST, 0), max(moves, _FIRST))
     if 'pump_displacement' in channels:
         return {place: float(np.mean(channels['pump_displacement'][rows]))
                 for place, rows in places.items()}

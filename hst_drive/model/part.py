@@ -216,13 +216,11 @@ class PartModel:
             # What follows holds its input between samples.
             target = target + (follow(time, target, series) - target) * evaluate(held_share, {
                 'series_lag': series, 'lag': lag, 'interval': np.diff(time, append=np.inf)})
-        start, full = known.get('starts_at'), float(np.max(self.terms('pump_stroke_time', known)))
-        if full <= 0:
-            return follow(time, target, lag, start=start)
-        asymmetry = float(np.max(self.terms('pump_stroke_asymmetry', known)))
-        mean = pump.max_displacement / full
+        full, asymmetry = (float(np.max(self.terms(slot, known)))
+                           for slot in ('pump_stroke_time', 'pump_stroke_asymmetry'))
+        mean = pump.max_displacement / full if full > 0 else np.inf
         return follow(time, target, lag, mean * (1 + asymmetry), mean * (1 - asymmetry),
-                      start=start)
+                      start=known.get('starts_at'))
 
     def _yielding(self, command: np.ndarray, known: Known) -> np.ndarray:
         """Return the displacement (m^3/rad) on which the plate settles under pressure."""

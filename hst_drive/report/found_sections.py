@@ -173,8 +173,10 @@ def unit_section(diagnosis: dict) -> Markup:
     else:
         parts.append(element('p', 'Calibration moved nothing by a tenth of a tolerance.'))
     for key, head, title in (
-            ('sensor_zeros', 'reads beyond', 'Zeros of sensors, in one sigma of what they may be'),
-            ('sensor_delays', 'reads late by', 'Delays of sensors, in one sigma of the usual')):
+            ('sensor_zeros', 'reads beyond',
+             'Zeros of sensors, in one sigma of what they may be off'),
+            ('sensor_delays', 'reads late by',
+             'Delays of sensors, in one sigma of how late they may be')):
         off = [entry for entry in diagnosis.get(key) or () if abs(entry['sigmas']) >= 0.5]
         if off:
             parts.append(table(['sensor', head, '', 'sigma'], [
