@@ -15,15 +15,19 @@ pytestmark = pytest.mark.needs_numba
 SHARE = 0.1     # of the make's tolerances, by which one machine differs from day to day
 
 
-@pytest.mark.parametrize('roughness, celsius', [(1.5, 50.0), (0.5, 63.0)])
-def test_what_half_of_the_rows_show_by_chance_is_no_alarm(roughness, celsius):
-    """Rough rock is off in the held-out seconds alone; so is a pump near its dead band."""
-    number = 112 if roughness > 1.0 else 111
+@pytest.mark.parametrize('number, roughness, celsius, warms', [
+    (112, 1.5, 50.0, 1.0), (111, 0.5, 63.0, 1.0), (113, 0.5, 50.0, 5.0), (114, 0.5, 50.0, 4.0)])
+def test_what_is_as_on_healthy_days_is_no_alarm(number, roughness, celsius, warms):
+    """
+    Half of the rows may show it by chance, and leakages go with oil that was steady before.
+
+    Rough rock is off in the held-out seconds alone; so is a pump near its dead band.
+    """
     logs = ('drilling', 'speed_sweep')
     made = make_campaign(
         932_000 + number, {'leakage_temperature': {'size': 1.0, 'form': 'walther'}},
         unit_seed=910_022, duration=30.0, logs=logs, roughness=roughness, keep_exact=False,
-        temperature={log: (celsius - 1.0, celsius + 1.0) for log in logs})
+        temperature={log: (celsius - warms, celsius + warms) for log in logs})
     tolerances = made.sheet['tolerances_1_sigma_relative']
     sheet = {**made.sheet, 'calibration': made.truth['scatter'], 'commissioned': {
         'sigma_relative': {key: SHARE * value for key, value in tolerances.items()},

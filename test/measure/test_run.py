@@ -49,6 +49,19 @@ def test_slower_delays_no_command_that_steps_at_any_row():
     assert np.sum(slow['pump_command']) * 4 == pytest.approx(np.sum(command[rows]), abs=0.1)
 
 
+def test_slower_delays_no_command_beside_one_that_steps_at_its_own_pace():
+    """The controller steps each 10 ms, who turns the load at any row: each keeps its integral."""
+    time = 0.002 * np.arange(5000)
+    random = np.random.default_rng(2)
+    pump = np.repeat(random.uniform(2.0, 6.0, 1000), 5)
+    load = np.cumsum(np.where(random.random(5000) < 0.01, random.normal(size=5000), 0.0))
+    slow = Run('n', time, {'pump_command': pump, 'pprv_command': load}).slower(0.008)
+    assert slow.sample_time == pytest.approx(0.01)
+    for name, values in (('pump_command', pump), ('pprv_command', load)):
+        kept = (time >= slow.time[0] - 1e-9) & (time < slow.time[-1] + 0.01 - 1e-9)
+        assert 0.01 * slow[name].sum() == pytest.approx(0.002 * values[kept].sum())
+
+
 def test_slower_leaves_slow_records_alone():
     run = _run(200, 0.05)
     assert run.slower(0.008) is run
