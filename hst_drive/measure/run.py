@@ -79,14 +79,13 @@ class Run:
         Return the recording with samples about ``sample_time`` (s) apart, or itself.
 
         Signals are averaged about each sample that is kept. Samples are kept where the controller
-        steps, at up to a quarter longer intervals, if the commands show where; otherwise commands
-        are averaged until the next sample, so that they come neither early nor late.
+        steps, at up to a quarter longer intervals, if the commands show where. Commands are
+        averaged until the next sample, so that they come neither early nor late.
         """
         step = int(sample_time / self.sample_time + 1e-6)
         if step < 2:
             return self
-        found = self._stepping(range(step, step + step // 4 + 1))
-        step, first = found or (step, 0)
+        step, first = self._stepping(range(step, step + step // 4 + 1)) or (step, 0)
         half = (step - 1) // 2
         kept = np.arange(first, len(self), step)
         kept = kept[(kept >= half) & (kept + max(half + 1, step) <= len(self))]
@@ -94,12 +93,9 @@ class Run:
             return self     # too short for a time between samples
         around = kept[:, None] + np.arange(-half, half + 1)
         after = kept[:, None] + np.arange(step)
-        channels = {}
-        for name, values in self.channels.items():
-            if name not in CHANNELS or CHANNELS[name].hold != 'zero':
-                channels[name] = _mean(values[around])
-            else:
-                channels[name] = values[kept] if found else _mean(values[after])
+        channels = {name: _mean(values[
+            after if name in CHANNELS and CHANNELS[name].hold == 'zero' else around])
+            for name, values in self.channels.items()}
         return Run(self.name, self.time[around].mean(axis=1), channels, self.source, self.notes)
 
     def _stepping(self, steps: range) -> tuple[int, int] | None:
@@ -115,11 +111,10 @@ class Run:
 
 
 def _mean(values: np.ndarray) -> np.ndarray:
-    """Return the mean of each row's numbers; NaN where there are none."""
+    """Return the mean of each row's numbers, exact where they are alike; NaN without any."""
     there = np.isfinite(values)
-    count = there.sum(axis=1)
-    return np.where(count > 0, np.where(there, values, 0.0).sum(axis=1) / np.maximum(count, 1),
-                    np.nan)
+    mean = np.where(there, values, 0.0).sum(axis=1) / np.maximum(there.sum(axis=1), 1)
+    return np.clip(mean, np.fmin.reduce(values, axis=1), np.fmax.reduce(values, axis=1))
 
 
 def shifted(signals: Mapping[str, np.ndarray],
