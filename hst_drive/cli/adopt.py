@@ -56,6 +56,9 @@ def run(args: argparse.Namespace) -> int:
         tell(f'{args.output}: {name}: {_sizes(name, values)}')
     for name in sorted({*(rig.get('effects') or {})} - {*adopted['effects']}):
         tell(f'{args.output}: {name}: taken out, it is gone')
+    for entry in diagnosis.get('sensor_delays', ()):
+        late = 1e3 * adopted['sensors'][entry['channel']]['delay_s']
+        tell(f"{args.output}: {entry['channel']}: reads {late:.2g} ms late")
     if args.calibration:
         tell(f"{args.output}: the unit's calibration "
              f"(number of quantities: {len(adopted['calibration'])})")

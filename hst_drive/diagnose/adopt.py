@@ -11,6 +11,7 @@ from hst_drive.diagnose.result import require_schema
 from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
+from hst_drive.rig.adopted import with_delays
 from hst_drive.rig.fingerprint import SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.schema import TOLERANCES
@@ -83,7 +84,7 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '
                          f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
                          'with this one')
-    adopted = deepcopy(rig)
+    adopted = with_delays(deepcopy(rig), _delays(diagnosis, source))
     found = {name: _values(entry, source) for name, entry in zip(names, effects)}
     gone = {name for name, entry in zip(names, effects) if entry.get('change') == 'gone'}
     adopted['effects'] = {name: values for name, values
@@ -173,6 +174,16 @@ def _factors(diagnosis: dict, source: str) -> dict[str, float]:
         raise InputError(f"{source}: key 'calibration' is not a list of quantities with factors; "
                          'write the diagnosis again') from None
     return _known_factors(factors, source, 'calibration')
+
+
+def _delays(diagnosis: dict, source: str) -> dict[str, float]:
+    """Return how late each sensor reads, s: without that what was found does not explain."""
+    try:
+        return {str(entry['channel']): float(entry['value'])
+                for entry in diagnosis.get('sensor_delays', [])}
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{source}: key 'sensor_delays' is not a list of channels with values; "
+                         'write the diagnosis again') from None
 
 
 def _known_factors(factors: object, source: str, where: str) -> dict[str, float]:

@@ -29,6 +29,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
+from hst_drive.rig.adopted import with_delays
 from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
 from hst_drive.rig.schema import WAVES
 from hst_drive.units import from_si
@@ -125,6 +126,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     """
     made, within = _of_make(rig, source)
     law: OilLaw | None = None
+    curve: dict[str, float] = {}
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
         found = first = diagnose(within, [run], progress=progress)
@@ -136,17 +138,27 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         if found.verdict != 'none' and len(runs) > 1:
             # A short log alone may mislead; what is missing in the machine shows in all of them.
             found = diagnose(within, runs, progress=progress)
-            if found.verdict == 'none':
-                break
         if found.verdict != 'none' and not (law and _of_oil(found)):
-            others = ' and the other logs together' if len(runs) > 1 else ''
+            others = ', alone and with all others' if len(runs) > 1 else ''
             raise InputError(f'{run.source}{others}: cannot be commissioned as healthy: '
                              f'{(first if law else found).sentence} Mend or adopt that first, or '
                              'leave the log out')
+        # What was asked for to find nothing missing is this machine's, and its logger's.
+        rig = with_delays(rig, {entry.channel: entry.value for entry in found.delays})
+        made, within = _of_make(rig, source)
+        curve |= {entry.quantity: entry.factor for entry in found.calibration
+                  if entry.quantity in WAVES}
+        if found.verdict == 'none' and len(found.logs) > 1:
+            break
     if not law:
         rig, law = _with_oil_law(rig, source, runs)
         made, within = _of_make(rig, source)
-    campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
+    campaign = campaign_of(within, runs)
+    if curve := {key: curve[key] for key in curve.keys() - campaign.tolerances.keys()}:
+        rig = {**rig, 'calibration': {**(rig.get('calibration') or {}), **curve}}
+        made, within = _of_make(rig, source)
+        campaign = campaign_of(within, runs)
+    campaign = campaign.of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '
@@ -157,7 +169,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    # Of the quantities first, then of the zeros of sensors. Their delays are the logger's.
+    # Of the quantities first, then of the zeros of sensors.
     make = np.array([made.tolerances.get(key, sigma)
                      for key, sigma in {**campaign.tolerances, **campaign.zeros}.items()])
     covariance = known.covariances[:len(make), :len(make)] + np.diag((day_to_day * make)**2)
@@ -220,7 +232,7 @@ def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
     start = Model({OIL_LAW: {'exponent': POWER}})
     found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)
     index = found.unknowns.names.index((OIL_LAW, 'exponent'))
-    sigma = np.hypot(found.unknowns.scale[index] * np.sqrt(found.covariance[index, index]),
+    sigma = np.hypot(np.sqrt(found.covariances[index, index]),
                      FORM / max(thinning(made, runs), 1e-6))
     precision = np.array([POWER_SIGMA, sigma])**-2.0
     law = OilLaw(float(precision @ [POWER, found.values[index]]

@@ -209,7 +209,8 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
     if not location.balance:
         return None
     part = PartModel(campaign.rig, model.model.effects, model.model.scales)
-    part.zeros, part.delays = read_beyond(campaign.rig, model.model), late(model.model)
+    part.zeros = read_beyond(campaign.rig, model.model)
+    part.delays = late(campaign.rig, model.model)
     try:
         replay = PartReplay(campaign.replays[index].run, part)
     except InputError:

@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import Callable, Sequence
 
 from hst_drive.effects import catalogue, Effect, effect_of, Parameter
+from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
@@ -67,8 +68,7 @@ class Campaign:
         self.adopted = self.rig.effects
         self.faults = faults_of(self.rig)
         self.drive = self._model()
-        self.replays = [replay_of(run.slower(self.finest), self.drive)
-                        for run in (*runs, *holdout)]
+        self.replays = [replay_of(run.slower(self.finest), self.drive) for run in logs]
         # What follows the measured rest is judged everywhere, and does not drift out of step.
         self.usable = [np.ones(len(replay.run), dtype=bool) if self.by_balance
                        else judged(replay.run).samples for replay in self.replays]
@@ -257,6 +257,13 @@ class Campaign:
             return None
         return self._changed(tolerances={**waves, **self.tolerances}, delays=delays)
 
+    def with_oil_law(self, power: float) -> Campaign:
+        """Return the campaign of a machine whose leakages follow the viscosity by a power."""
+        rig = replace(self.rig, effects={**self.rig.effects, OIL_LAW: {'exponent': power}})
+        other = self._changed(rig=rig, adopted=rig.effects)
+        other.drive = other.judge = other._model()
+        return other
+
     def _delays(self, usual: float = 0.0) -> dict[str, float]:
         """Return how late each sensor may read, ``usual`` where the rig file does not say."""
         return delays_of(self.rig, self.replays, usual)
@@ -275,7 +282,7 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
-        drive.zeros, drive.delays = read_beyond(self.rig, model), late(model)
+        drive.zeros, drive.delays = read_beyond(self.rig, model), late(self.rig, model)
         drive.scale(model.scales)
         for name, values in self.switched(model).items():
             drive.switch_on(name, values)

@@ -112,7 +112,7 @@ class PartCampaign(Campaign):
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
         part = self.drive.changed(self.switched(model), model.scales)
-        part.zeros, part.delays = read_beyond(self.rig, model), late(model)
+        part.zeros, part.delays = read_beyond(self.rig, model), late(self.rig, model)
         return part
 
     def to_record(self, models: Sequence[Model]) -> str:

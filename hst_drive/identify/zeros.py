@@ -44,20 +44,20 @@ def delays_of(rig: Rig, replays: Sequence[Replay | PartReplay],
 
     It is ``usual`` where the rig file does not say; what is 0 is left out.
     """
-    if any(replay.static for replay in replays):
-        return {}       # operating points have no time
-    found = {}
-    for name in sorted({name for replay in replays for name in replay.sensor_noise}):
-        sensor = rig.sensors.get(name)
-        stated = sensor.delay_std if sensor else None
-        if CHANNELS[name].hold == 'linear' and not CHANNELS[name].slow:
-            found[f'{name}{LATE}'] = usual if stated is None else stated
-    return {name: value for name, value in found.items() if value}
+    stated = {name: sensor.delay_std for name, sensor in rig.sensors.items()
+              if sensor.delay_std is not None}
+    # Operating points have no time.
+    recorded = {name for replay in replays if not replay.static for name in replay.sensor_noise
+                if CHANNELS[name].hold == 'linear' and not CHANNELS[name].slow}
+    return {f'{name}{LATE}': sigma for name in sorted(recorded)
+            if (sigma := stated.get(name, usual))}
 
 
-def late(model: Model) -> dict[str, float]:
-    """Return how late each sensor reads, s, by channel."""
-    return {name.removesuffix(LATE): value for name, value in model.delays.items()}
+def late(rig: Rig, model: Model) -> dict[str, float]:
+    """Return how late each sensor reads, s, by channel: as its rig file says, and more."""
+    more = {key.removesuffix(LATE): value for key, value in model.delays.items()}
+    return {name: rig.delays.get(name, 0.0) + more.get(name, 0.0)
+            for name in {**rig.delays, **more}}
 
 
 def _usual(replays: Sequence[Replay | PartReplay]) -> dict[str, float]:

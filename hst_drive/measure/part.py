@@ -21,10 +21,10 @@ from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.floor import part_floor
 from hst_drive.measure.noise import steady_noise, surface_noise
-from hst_drive.measure.readings import bridged, gaps, slope
+from hst_drive.measure.readings import bridged, earlier, gaps, later
 from hst_drive.measure.run import Run, shifted, USUAL
 from hst_drive.measure.turns import into_step
-from hst_drive.model.circuits import Balance
+from hst_drive.model.circuits import Balance, OF_A_LEAK
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 from hst_drive.rig.rig import NO_SIGN
@@ -100,7 +100,6 @@ class PartReplay:
             0.0 if self.static else _CREEPING * self.usual('motor_speed'),
             NO_SIGN * self._noise_of('motor_speed', model)) if 'motor_speed' in used else 0.0
         self._widths = dict.fromkeys(self.signals, 0.0)
-        self._slopes: dict[str, np.ndarray] = {}
         self._input_noise = {name: self._noise_of(name, model) for name in used}
         self.noise = {name: self._signal_noise(name, model) for name in self.signals}
         self._widths = {name: self._width(name, model) for name in self.signals}
@@ -206,7 +205,8 @@ class PartReplay:
     def _rate(self, values: np.ndarray, name: str) -> np.ndarray:
         if self.static or not self._widths[name]:
             return np.zeros(len(values))
-        return slope(self.run.time, values, self._widths[name])
+        return (gaussian_filter1d(values, self._widths[name], order=1, mode='nearest')
+                / gaussian_filter1d(self.run.time, self._widths[name], order=1, mode='nearest'))
 
     def _measured(self, name: str) -> np.ndarray:
         """Return what the prediction is compared with; NaN where it is not known."""
@@ -231,17 +231,12 @@ class PartReplay:
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
         """Predict each signal from the others; ``extra`` is added to channels, SI."""
         true = _without(model.zeros, shifted(self._channels, extra or {}))
-        late = {name: delay * self._slope(name) for name, delay in model.delays.items()
-                if delay and name in self._channels}
-        found = self._predicted(model, self.balances, shifted(true, late), self._weak)
-        return shifted(shifted(found, model.zeros), {
-            name: -self._smooth(late[name], name) for name in found.keys() & late.keys()})
-
-    def _slope(self, name: str) -> np.ndarray:
-        """Return how fast a reading changes, per s."""
-        if name not in self._slopes:
-            self._slopes[name] = slope(self.run.time, self._channels[name])
-        return self._slopes[name]
+        late = {} if self.static else model.delays
+        found = self._predicted(model, self.balances, {
+            **true, **{name: earlier(self.run.time, true[name], delay)
+                       for name, delay in late.items() if name in true}}, self._weak)
+        return shifted({name: later(self.run.time, values, late.get(name, 0.0))
+                        for name, values in found.items()}, model.zeros)
 
     def would_read(self, model: PartModel,
                    balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:
@@ -286,7 +281,9 @@ class PartReplay:
     def sheet_error(self, name: str) -> float:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
         balance = self.balances[name]
-        return 0.0 if balance.equation else datasheet_error(balance, self.run[name])
+        # What the sheet of an open circuit lacks of other curves are numbers of the unit.
+        return datasheet_error(balance, self.run[name]) if (
+            balance.sheet == OF_A_LEAK or not balance.equation) else 0.0
 
 
 def _without(zeros: Mapping[str, float], channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

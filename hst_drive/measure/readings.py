@@ -15,7 +15,7 @@ from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 _LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what rounding makes
 _COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
-_SLOPE = 1.0    # samples, deviation of the Gaussian behind which a reading's slope is taken
+_MIXED = 0.3, 1.7    # of a delay: their mean is late as two filters of half of it in a row are
 _LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
 
@@ -103,10 +103,15 @@ class Readings:
         return values
 
 
-def slope(time: np.ndarray, values: np.ndarray, width: float = _SLOPE) -> np.ndarray:
-    """Return how fast a reading changes, per s, behind a Gaussian of so many samples."""
-    return (gaussian_filter1d(values, width, order=1, mode='nearest')
-            / gaussian_filter1d(time, width, order=1, mode='nearest'))
+def later(time: np.ndarray, values: np.ndarray, delay: float) -> np.ndarray:
+    """Return what a sensor reads that is late (s): an amplifier's filter mixes two moments."""
+    return values if not delay else np.mean(
+        [np.interp(time - share * delay, time, values) for share in _MIXED], axis=0)
+
+
+def earlier(time: np.ndarray, values: np.ndarray, delay: float) -> np.ndarray:
+    """Return what a reading that is late (s) was made of."""
+    return np.interp(time + delay, time, values) if delay else values
 
 
 def _seen_step(values: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from typing import Iterator
 
 from hst_drive.measure.between import Between
 from hst_drive.measure.noise import Coloured, Smoother
-from hst_drive.measure.readings import filled, Readings, slope
+from hst_drive.measure.readings import earlier, filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import Behind, behind, load_side
 from hst_drive.measure.speed import speed_behind
@@ -62,8 +62,9 @@ class RecordedLoad:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""
         if reading is None and 'motor_speed' not in self.run and 'motor_inlet_flow' in self.run:
             return self._speed      # which the flow meter gave
-        return speed_behind(drive, self.readings, self._speed if reading is None else reading,
-                            self.inputs['oil_temperature'])
+        if reading is None:
+            reading = earlier(self.run.time, self._speed, drive.delays.get('motor_speed', 0.0))
+        return speed_behind(drive, self.readings, reading, self.inputs['oil_temperature'])
 
     def _stated_noise(self, drive: Drive, name: str) -> float:
         """
@@ -80,8 +81,7 @@ class RecordedLoad:
     def _unexplained(self, drive: Drive, load: np.ndarray) -> np.ndarray:
         measured = self.readings.ahead(self._measured, self.readings.lags.get(self.torque, 0.0))
         measured = measured - drive.zeros.get(self.torque, 0.0)
-        if delay := drive.delays.get(self.torque, 0.0):
-            measured = measured + delay * slope(self.run.time, measured)
+        measured = earlier(self.run.time, measured, drive.delays.get(self.torque, 0.0))
         rest = np.where(self._turning, measured - load, 0.0)
         # Where no torque was read the load model goes on, with what it missed beside the gap.
         return filled(np.where(np.isfinite(self.run[self.torque]), rest, np.nan))

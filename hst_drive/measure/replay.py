@@ -20,7 +20,7 @@ from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
-from hst_drive.measure.readings import bridged, filled, Readings
+from hst_drive.measure.readings import bridged, filled, later, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
 from hst_drive.measure.speed import measured_speed
@@ -37,7 +37,6 @@ SIGNALS: tuple[str, ...] = (
     'pump_speed')
 STAMPS = 1e-3   # s, to which time stamps are known
 _CLEARLY = 0.8      # of the load's roughness: less shows that the speed is read late
-_MIXED = 0.3, 1.7    # of a delay: their mean is late as two filters of half of it in a row are
 
 
 class Replay(RecordedLoad):
@@ -70,7 +69,7 @@ class Replay(RecordedLoad):
                              'whole drive needs pump_command and pprv_command; name the foreign '
                              'column with --channels')
         self.run = run
-        self.readings = Readings(run, {**usual_sensors(drive.rig), **drive.rig.sensors})
+        self.readings = Readings(run, {**drive.rig.sensors, **usual_sensors(drive.rig)})
         self.signals = tuple(name for name in SIGNALS if name in run)
         if not self.signals:
             raise InputError(f'{run.source}: nothing to compare; expected at least one of '
@@ -259,21 +258,19 @@ class Replay(RecordedLoad):
         """
         if extra is not None or commands:
             return self._read(drive, self._predict(drive, extra, commands))
-        # Noise, delays, floor and zeros of sensors, but the load's, ask for the same model again.
-        numbers, known = (drive.key(), *(found.get(self.torque, 0.0) for found in (
-            drive.zeros, drive.delays))), self._predicted
+        # Noise, floor, zeros and delays of sensors, but of those that tell the load, ask for the
+        # same model again.
+        numbers, known = (drive.key(), drive.zeros.get(self.torque), *(
+            drive.delays.get(name) for name in (self.torque, 'motor_speed'))), self._predicted
         objects = self.inputs, self.readings, self.between, self.roughness, self.signals
         if known is None or known[0] != numbers or any(map(operator.is_not, known[1], objects)):
             known = self._predicted = numbers, objects, self._predict(drive, None, {})
         return self._read(drive, known[2])
 
     def _read(self, drive: Drive, signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return what sensors read that are off at zero, and late: an amplifier's filter mixes."""
-        time = self.run.time
-        late = {name: np.mean([np.interp(time - share * delay, time, signals[name])
-                               for share in _MIXED], axis=0)
-                for name, delay in drive.delays.items() if delay and name in signals}
-        return shifted({**signals, **late}, drive.zeros)
+        """Return what sensors read that are off at zero, and late."""
+        return shifted({name: later(self.run.time, values, drive.delays.get(name, 0.0))
+                        for name, values in signals.items()}, drive.zeros)
 
     def _predict(self, drive: Drive, extra: np.ndarray | None,
                  commands: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -72,8 +72,7 @@ class Drive:
 
     def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None, *,
                  max_step: float = MAX_STEP, compiled: bool | None = None):
-        self.rig, self.zeros = rig, rig.zeros
-        self.delays: dict[str, float] = {}      # by channel, s
+        self.rig, self.zeros, self.delays = rig, rig.zeros, rig.delays
         self.max_step = max_step
         self.kernel = kernel(compiled)
         self.effects: dict[str, dict[str, float]] = {}

@@ -53,8 +53,7 @@ class PartModel:
 
     def __init__(self, rig: Rig, effects: Mapping[str, Mapping[str, float]] | None = None,
                  factors: Mapping[str, float] | None = None):
-        self.rig, self.zeros = rig, rig.zeros
-        self.delays: dict[str, float] = {}      # by channel, s
+        self.rig, self.zeros, self.delays = rig, rig.zeros, rig.delays
         chosen = self.changed(effects or {}, factors or {})
         self.effects, self.factors = chosen.effects, chosen.factors
 

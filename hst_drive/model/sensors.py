@@ -13,7 +13,7 @@ import numpy as np
 
 
 def usual_sensors(rig: Rig) -> dict[str, Sensor]:
-    """Return a whole rig's sensors, and for channels without one a sensor of the usual kind."""
+    """Return a whole rig's sensors, of the usual kind where it states none, or no noise."""
     pump, pressure = rig.pump, rig.relief_valve.set_pressure
     largest = {'Pa': pressure, 'm^3/s': pump.max_displacement * pump.shaft_speed,
                'N.m': rig.motor.displacement * pressure, 'm^3/rad': pump.max_displacement,
@@ -26,7 +26,8 @@ def usual_sensors(rig: Rig) -> dict[str, Sensor]:
         usual['motor_inlet_pressure'] = stated
         # It stands about zero: a range that ends there would cut half of the noise off.
         usual['motor_outlet_pressure'] = replace(stated, range=None)
-    return {**usual, **{name: sensor for name, sensor in rig.sensors.items() if name in usual}}
+    return {**usual, **{name: replace(sensor, noise_std=sensor.noise_std or usual[name].noise_std)
+                        for name, sensor in rig.sensors.items() if name in usual}}
 
 
 class SensorBank:

@@ -1,9 +1,9 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The effects that a rig file has adopted: read as strictly as the rest of it."""
+"""What a rig file has adopted: its effects are read as strictly as the rest of it."""
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 import math
 from reprlib import repr as short
@@ -14,6 +14,21 @@ from hst_drive.units import for_people, si_unit, to_si, UnitError
 
 _OWN = 'see hst-drive effects; if it is one of your own, install the package that declares it'
 _HUGE = 1e300   # an integer may be too large for a float
+
+
+def with_delays(rig: dict, delays: Mapping[str, float]) -> dict:
+    """
+    Return the mapping of a rig file whose sensors read later, each by so much (s).
+
+    None reads early: where all seem to, commands were recorded late, up to a row each.
+    """
+    known = rig.get('sensors') or {}
+    late = {name: known.get(name, {}).get('delay_s', 0.0) + delay
+            for name, delay in delays.items()}
+    early = min([0.0, *late.values()])
+    return {**rig, 'sensors': {**known, **{
+        name: {**known.get(name, {}), 'delay_s': round(delay - early, 6)}
+        for name, delay in late.items()}}} if late else rig
 
 
 def read_effects(found: object, source: str,

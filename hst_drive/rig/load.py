@@ -7,6 +7,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from reprlib import repr as short
 
+from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.resources import share
 from hst_drive.rig import rig as parts
@@ -31,7 +32,8 @@ _CLASSES = {'pump': parts.Pump, 'motor': parts.Motor, 'line': parts.Line,
 _TOP = (*SECTIONS, 'name', 'circuit', 'sensors', 'tolerances_1_sigma_relative',
         'characterised_at_oil_temperature_degC', 'effects', 'calibration', SECTION, 'provenance')
 _SHOWN = 12     # keys in a message
-_DELAY = 'delay_std_s'
+# s; more is a fault of the logger, or meant in ms.
+_DELAYS = {'delay_s': (0.0, 1.0), 'delay_std_s': (0.0, 0.1)}
 
 
 def load_rig(path: str | Path | None = None) -> Rig:
@@ -308,8 +310,9 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         suffix, unit = SENSOR_UNITS[name]
         keys = tuple(f'{key}_{suffix}' for key in ('noise_std', 'resolution', 'zero_std', 'range'))
         where = f'sensors.{name}'
-        _known(content, (*keys, _DELAY), source, where)
-        if not {keys[0], keys[2], _DELAY} & content.keys():
+        delays = {} if CHANNELS[name].slow else _DELAYS
+        _known(content, (*keys, *delays), source, where)
+        if not {keys[0], keys[2], *delays} & content.keys():
             raise InputError(f"{source}: key '{where}.{keys[0]}' is missing; add it")
         noise, step, zero = (difference_to_si(_number(
             content.get(key, 0), 0, 1e6, source, f'{where}.{key}', unit), unit)
@@ -317,9 +320,9 @@ def _sensors(found, source: str) -> dict[str, Sensor]:
         limits = None
         if keys[3] in content:
             limits = _limits(content[keys[3]], source, f'{where}.{keys[3]}', unit)
-        delay = _number(content[_DELAY], 0, 10, source, f'{where}.{_DELAY}', 's') if (
-            _DELAY in content) else None
-        sensors[name] = Sensor(noise, step, limits, zero, delay)
+        late = {key.removesuffix('_s'): _number(content[key], *ends, source, f'{where}.{key}', 's')
+                for key, ends in delays.items() if key in content}
+        sensors[name] = Sensor(noise, step, limits, zero, **late)
     return sensors
 
 

@@ -169,15 +169,16 @@ class Sensor:
     """
     Standard deviation of the noise, step of the reading and range, all in SI.
 
-    ``zero_std`` is one standard deviation of how far the zero may be off, ``delay_std`` (s) of how
-    late it may read, None where nobody said. Other numbers are 0 then: records show their noise by
-    themselves.
+    ``zero_std`` is one standard deviation of how far the zero may be off. ``delay`` (s) is how
+    late it is known to read and ``delay_std`` how well, None where nobody said. Other numbers are
+    0 then: records show their noise by themselves.
     """
 
     noise_std: float
     resolution: float = 0.0
     range: tuple[float, float] | None = None
     zero_std: float = 0.0
+    delay: float = 0.0
     delay_std: float | None = None
 
 
@@ -248,6 +249,11 @@ class Rig:
         """What each sensor of this machine reads beyond the truth throughout, SI."""
         known = self.fingerprint.zeros if self.fingerprint else {}
         return {name: value for name, (value, _) in known.items()}
+
+    @property
+    def delays(self) -> dict[str, float]:
+        """How late each sensor is known to read, s."""
+        return {name: sensor.delay for name, sensor in self.sensors.items() if sensor.delay}
 
     @property
     def oil_grade(self) -> str:

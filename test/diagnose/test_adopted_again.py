@@ -7,7 +7,6 @@ from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.document import as_json
-from hst_drive.plain import plain
 from hst_drive.rig import parse_rig
 import pytest
 
@@ -20,7 +19,7 @@ PER_BAR = L_MIN / 100e5
 
 def written(result):
     """Return a diagnosis as it comes back from its file."""
-    return json.loads(json.dumps(plain(as_json(result))))
+    return json.loads(json.dumps(as_json(result)))
 
 
 def diagnosed(content, log):

@@ -9,7 +9,6 @@ from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.document import as_json
-from hst_drive.plain import plain
 from hst_drive.rig import parse_rig
 import pytest
 
@@ -42,7 +41,7 @@ def test_a_leak_is_found_sized_adopted_and_not_told_again():
     found = judged(unit, 'leak_1')
     assert found.effects[0].id == 'pump_leakage'
     assert found.effects[0].parameters['conductance'].value * AT == pytest.approx(LEAK, rel=0.05)
-    leaky = adopt(unit, json.loads(json.dumps(plain(as_json(found)))), 'd.json', 'unit.yaml')
+    leaky = adopt(unit, json.loads(json.dumps(as_json(found))), 'd.json', 'unit.yaml')
     assert judged(leaky, 'leak_1_holdout').verdict == 'none'
     repaired = judged(leaky, 'healthy_b')
     assert [(entry.id, entry.change) for entry in repaired.effects] == [('pump_leakage', 'gone')]

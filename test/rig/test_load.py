@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 from hst_drive.errors import InputError
-from hst_drive.model import Drive
+from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.part import PartModel
 from hst_drive.model.steady import operating_point
 from hst_drive.resources import share
@@ -264,10 +264,14 @@ def test_of_a_sensor_the_zero_alone_may_be_stated():
 
 def test_how_late_a_sensor_may_read_may_be_stated():
     """0 says that the logger reads all channels at once."""
-    content = changed('sensors.motor_speed', {'noise_std_rpm': 0.1, 'delay_std_s': 0.0})
-    sensors = parse_rig(content, 'rig.yaml').sensors
-    assert sensors['motor_speed'].delay_std == 0.0
-    assert sensors['pump_outlet_pressure'].delay_std is None
+    content = changed('sensors.motor_speed', {'delay_s': 0.002, 'delay_std_s': 0.0})
+    rig = parse_rig(content, 'rig.yaml')
+    assert rig.sensors['motor_speed'].delay_std == 0.0 and rig.delays == {'motor_speed': 0.002}
+    assert rig.sensors['pump_outlet_pressure'].delay_std is None
+    # Who states the delay alone has a sensor as usual.
+    without = parse_rig({**content, 'sensors': {}}, 'rig.yaml')
+    assert 0.0 < usual_sensors(rig)['motor_speed'].noise_std == usual_sensors(
+        without)['motor_speed'].noise_std
 
 
 def test_parameters_that_are_left_out_are_neutral():
