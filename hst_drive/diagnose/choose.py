@@ -9,7 +9,7 @@ from typing import Callable, Container, Mapping, Sequence
 from hst_drive.diagnose.free_forms import beyond_noise, REST
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
-from hst_drive.identify.alternatives import alternatives
+from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import limited
@@ -17,7 +17,6 @@ from hst_drive.identify.observable import Visibility, visibility
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, log_odds_of
-import numpy as np
 
 
 def searched(campaign: Campaign, progress: Callable[[str], None]) -> tuple[
@@ -33,6 +32,20 @@ def exchanged(best: Candidate, rivals: Mapping[str, Sequence[str]]) -> set[tuple
     """Return the sets with a rival, or the unit alone, in the place of an effect."""
     return {tuple(sorted({*best.names} - {name} | {rival} - {UNIT_ALONE}))
             for name, group in rivals.items() for rival in group}
+
+
+def oil_told(search: Search, best: Candidate, left: Container[str]) -> Campaign | None:
+    """
+    Return the campaign of a machine whose leakages follow its oil as these logs tell.
+
+    None if they do not, or if commissioning told it: then another power is news, as is one by
+    which no gap leaks. Whatever is ``left`` may follow from that.
+    """
+    campaign, law = search.campaign, best.fit.model.effects.get(OIL_LAW)
+    if not law or not campaign.commissioned_unit or OIL_LAW in campaign.adopted or (
+            law['exponent'] > POWER + 2.0 * POWER_SIGMA):
+        return None
+    return campaign.with_oil_law(law['exponent'])
 
 
 def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign | None:
@@ -107,26 +120,6 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     stands = (found.names in wanted or of_several) and not search.unexplained(found) and (
         not of_unit or _relieves(search, found))
     return found if stands else best
-
-
-def rivals_of(search: Search, first: Candidate, best: Candidate,
-              rivals: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
-    """
-    Return the rivals of a set that has effects of ``best``, perhaps a rival for one of them.
-
-    Those of the other effects are as they were beside that one.
-    """
-    if {*first.names} < {*best.names}:
-        return {name: alternatives(search, first, name) for name in first.names}
-    (new,), (out,) = {*first.names} - {*best.names}, {*best.names} - {*first.names}
-    group = [out if entry == new else entry for entry in rivals[out]]
-    kept = first.fit.without(new)
-    sets = search.try_all([((*kept.model.effects, entry), kept) for entry in group],
-                          'trying rivals')
-    odds = log_odds(search, [first, *sets])[1:]
-    return {**{name: tuple(entry for entry in rivals[name] if entry != new)
-               for name in best.names if name != out},
-            new: tuple(group[place] for place in np.argsort(-odds) if odds[place] >= -CREDIBLE)}
 
 
 def _plainness(search: Search, names: Sequence[str]) -> tuple[int, int, int]:

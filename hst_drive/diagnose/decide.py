@@ -11,7 +11,7 @@ from hst_drive.design.rivals import told_apart
 from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import (
-    doubted, exchanged, instead_of_the_unit, likeliest, rivals_of, searched)
+    doubted, exchanged, instead_of_the_unit, likeliest, oil_told, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
@@ -19,6 +19,7 @@ from hst_drive.diagnose.sentence import beyond, limits, listed, nearly, sentence
 from hst_drive.diagnose.unit import at_limits, calibration, sensors
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
+from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
@@ -74,10 +75,10 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         _refuse_short(campaign, logs)
     search, seen = searched(campaign, progress)
     best, left, better, more = _explained(search)
-    other = doubted(search, best, left)
-    if other:
-        search, seen = searched(other, progress)
-        best, left, better, more = _explained(search)
+    for ask in (oil_told, doubted):
+        if other := ask(search, best, left):
+            search, seen = searched(other, progress)
+            best, left, better, more = _explained(search)
     doubt = bool(more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
@@ -95,8 +96,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     rivals = {name: alternatives(search, best, name) for name in order}
     first = best if left or doubt else likeliest(search, best, rivals, or_none)
     if first is not best:
-        rivals = rivals_of(search, first, best, rivals)
         best, order = first, _order(search, first)
+        rivals = {name: alternatives(search, best, name) for name in order}
     if or_none:
         rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
     campaign = search.campaign      # its recordings may have been turned again
@@ -123,7 +124,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
-            beyond(unseen, verdict != 'none' and oil_untold(rig, logs))])),
+            beyond(unseen, verdict != 'none' and oil_untold(rig, logs), None if OIL_LAW in
+                   rig.effects else campaign.off(OIL_LAW)['exponent'] or None)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},

@@ -94,7 +94,7 @@ def beyond_noise(campaign: Campaign, fitted: Fit) -> float:
 def how_much_better(search: Search, best: Candidate, trial: Fit) -> str:
     """Return by what share the squared error falls, of the signal where most, for people."""
     share, signal = max(((value, name) for part in parts(search.campaign) for name, value in
-                         search.gain(best, best._replace(fit=trial), part).share.items()),
+                         search.taken(best, best._replace(fit=trial), part).items()),
                         default=(0.0, ''))
     return 'explains as much alone' if share < PRACTICAL else (
         f'leaves {100 * share:.0f} % less squared error of {CHANNELS[signal].title}')

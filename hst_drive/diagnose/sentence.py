@@ -134,8 +134,12 @@ def listed(names: Sequence[str], last: str = 'and') -> str:
     return f' {last} '.join(filter(None, [', '.join(names[:-1]), *names[-1:]]))
 
 
-def beyond(unseen: Sequence[Outside], untold: bool) -> str:
-    """Tell what the machine was not commissioned for, or ``untold`` oil; '' if nothing."""
+def beyond(unseen: Sequence[Outside], untold: bool, power: float | None) -> str:
+    """
+    Tell what the machine was not commissioned for, or ``untold`` oil; '' if nothing.
+
+    ``power`` is that of the viscosity which leakages follow, where these logs are first to tell.
+    """
     said = [] if not unseen else [
         'These logs go beyond what the machine was commissioned for: '
         f'{listed([entry.told for entry in unseen])}. What shows only there may have been so '
@@ -143,6 +147,9 @@ def beyond(unseen: Sequence[Outside], untold: bool) -> str:
     if untold:
         said.append('The temperature of the oil is not known, now and then: leaks and friction '
                     'of a healthy machine change with it, too.')
+    if power is not None:
+        said.append(f'Its leakages follow the viscosity of the oil by the power {power:.2f}. No '
+                    'log from which it was commissioned had told: add these to them.')
     return ' '.join(said)
 
 

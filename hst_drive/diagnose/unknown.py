@@ -19,11 +19,10 @@ from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit, fit, score
 from hst_drive.identify.intervals import intervals
-from hst_drive.identify.judge import gain, over_own_floors, PRACTICAL
+from hst_drive.identify.judge import over_own_floors, PRACTICAL
 from hst_drive.identify.phases import once_a_turn
 import numpy as np
 
-_AT_NOISE = 1.2     # of the score of a perfect model
 _READING = 'formula_pressure_reading'
 
 
@@ -54,10 +53,8 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
             campaign, model, location.moves):
         per_torque = -location.moves[location.signal]
         reading = _carry(campaign, model, _READING, static, per_torque)
-        if reading and score(campaign, reading) < min(
-                score(campaign, carried), _AT_NOISE * _noise(campaign)):
-            # The same error with the leakage unmoved: the reading is off, not the torque. Then
-            # nothing else may be left: what moves with it is no error of a sensor.
+        if reading and score(campaign, reading) < score(campaign, carried):
+            # The same error with the leakage unmoved: the reading is off, not the torque.
             name, carried = _READING, reading
             location, terms = _reading(location, terms, per_torque)
     enters = location.enters
@@ -65,12 +62,6 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
         enters = 'pump_actuator'
     return Unknown(enters, location.signal, depends, expression(location, terms), tuple(terms),
                    explained, worth(campaign, model, name, carried) if carried else None)
-
-
-def _noise(campaign: Campaign) -> float:
-    """Return the score that a perfect model would have."""
-    return sum((len(column.fit) + len(column.judge)) * campaign.thinning(column)**2
-               for column in campaign.columns)
 
 
 def sensor_that_drifts(channel: str) -> Unknown:
@@ -111,11 +102,10 @@ def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
 
 def worth(campaign: Campaign, model: Fit, name: str, carried: Fit) -> Formula | None:
     """Return the formula to adopt; None if it does not lower the held-out error enough."""
-    found = gain(campaign.blocks(model.errors), campaign.blocks(carried.errors))
-    total = sum(found.amount.values()), sum(
-        float(np.nanmean(squares)) for squares in campaign.blocks(model.errors).values()
-        if np.isfinite(squares).any())
-    if total[0] < PRACTICAL * total[1]:
+    before, after = (sum(float(np.nanmean(squares))
+                         for squares in campaign.blocks(entry.errors).values()
+                         if np.isfinite(squares).any()) for entry in (model, carried))
+    if after > (1.0 - PRACTICAL) * before:
         return None
     limits = intervals(campaign, carried)
     units = {entry.name: entry.unit for entry in FORMULAS[name].parameters}

@@ -9,7 +9,7 @@ block by block.
 """
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple
+from typing import Mapping
 
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
@@ -20,58 +20,17 @@ import numpy as np
 PRACTICAL = 0.10        # share of the squared error that is worth a name
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
-SIGNIFICANT = 3.0       # standard errors
-_HELD_OUT = 2.0         # on held-out data, where fitted data have those
-_FORM = 0.2             # of what is in already: below, it may be another form of that
 
 
-class Gain(NamedTuple):
+def taken(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> dict[str, float]:
     """
-    What a model gains over another, by signal.
+    Return the share of the squared error that a model takes, by signal, from its blocks.
 
-    ``share`` is the relative fall of the squared error; ``sigma`` its size in standard
-    errors over blocks; ``amount`` the fall itself, in squared floors. ``shown`` is
-    how sure it is that the errors hold what the better model moves: where that is little in most
-    blocks, squares fall by little more than their fall scatters.
+    Where less than the floor is left, it is a share of that.
     """
-
-    share: dict[str, float]
-    sigma: dict[str, float]
-    amount: dict[str, float]
-    shown: dict[str, float]
-
-
-def gain(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray],
-         moved: Mapping[str, np.ndarray] = {}) -> Gain:
-    """Compare models by squares (``Campaign.blocks``): of errors, and of what ``moved`` there."""
-    share, sigma, amount, shown = {}, {}, {}, {}
-    for name, first in before.items():
-        valid = np.isfinite(first) & np.isfinite(after[name])
-        if valid.sum() < 3:
-            continue
-        difference = first[valid] - after[name][valid]
-        # A few blocks hold the transients: the clipped difference keeps them from deciding.
-        limit = 4 * np.median(np.abs(difference - np.median(difference))) * 1.48 + 1e-9
-        centre = np.median(difference)
-        clipped = np.clip(difference, centre - limit, centre + limit)
-        error = max(clipped.std(ddof=1) / np.sqrt(len(clipped)), 1e-9)
-        amount[name] = float(difference.mean())
-        share[name] = float(difference.mean() / max(first[valid].mean(), 1e-30))
-        sigma[name] = float(clipped.mean() / error)
-        if name in moved:
-            power = moved[name][valid]
-            shown[name] = _shown(0.5 * (difference + power), power)
-    return Gain(share, sigma, amount, shown)
-
-
-def _shown(product: np.ndarray, power: np.ndarray) -> float:
-    """
-    Return how sure the slope of errors on a move is, of their products and squares by block.
-
-    Blocks are clusters. Half of it, which is the t of the squares where all blocks are alike.
-    """
-    slope = product.sum() / max(power.sum(), 1e-30)
-    return float(0.5 * product.sum() / max(np.linalg.norm(product - slope * power), 1e-9))
+    return {name: float((np.nanmean(first) - np.nanmean(after[name]))
+                        / max(np.nanmean(first), 1.0))
+            for name, first in before.items() if np.isfinite(first).any()}
 
 
 def excess(ratios: Mapping[str, float]) -> float:
@@ -93,34 +52,14 @@ def contribution(campaign: Campaign, base: Fit, model: Fit,
             for name, (power, count) in total.items()}
 
 
-def unharmed(found: Gain) -> bool:
-    """Say whether no signal gets significantly worse."""
-    return all(value > -SIGNIFICANT or found.share[name] > -0.5 * PRACTICAL
-               for name, value in found.sigma.items())
-
-
 def matters(before: Mapping[str, float], after: Mapping[str, float]) -> bool:
     """
     Say whether a model takes a tenth of a signal's squared error, from its noise ratios.
 
-    By less a make is off its formulas.
+    By less a make is off its formulas. Where less than the floor is left, it is a tenth of that.
     """
-    return any(1.0 - (after[name] / first)**2 >= PRACTICAL
-               for name, first in before.items() if first > 0.0)
-
-
-def shown(held_out: Gain, fitted: Gain, done: Mapping[str, float]) -> bool:
-    """
-    Say whether held-out and fitted errors both hold what the better model moves.
-
-    No signal may get worse, and in one of them it must be more than another form of what the
-    effects that are in already do there, rms in floors (``done``).
-    """
-    return unharmed(held_out) and unharmed(fitted) and any(
-        min(held_out.share[name], fitted.share[name]) >= PRACTICAL
-        and held_out.shown[name] >= _HELD_OUT and fitted.shown[name] >= SIGNIFICANT
-        and held_out.amount[name] >= (_FORM * done[name])**2
-        for name in held_out.share if name in fitted.share)
+    return any(first**2 - after[name]**2 >= PRACTICAL * max(first**2, 1.0)
+               for name, first in before.items())
 
 
 def over_own_floors(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:

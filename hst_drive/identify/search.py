@@ -17,7 +17,7 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
 from hst_drive.identify.fit import calibrated, ended, Fit, fit, score
 from hst_drive.identify.judge import (
-    contribution, Gain, gain, matters, parts, PRACTICAL, shown, unexplained)
+    contribution, matters, parts, PRACTICAL, taken, unexplained)
 from hst_drive.identify.phases import in_step
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import shapes_of, with_usual_shapes
@@ -132,12 +132,11 @@ class Search:
         return candidate._replace(fit=fit(
             self.campaign, candidate.fit.model, iterations=0, refresh=True))
 
-    def gain(self, before: Candidate, after: Candidate,
-             held_out: bool | None = True) -> Gain:
-        """Compare two candidates on held-out data, or on what was fitted."""
-        first, last = before.fit.errors, after.fit.errors
-        moved = [one - other for one, other in zip(first, last)]
-        return gain(*(self.campaign.blocks(errors, held_out) for errors in (first, last, moved)))
+    def taken(self, before: Candidate, after: Candidate,
+              held_out: bool | None = True) -> dict[str, float]:
+        """Return the share of the squared error that the second takes, events and all."""
+        return taken(*(self.campaign.blocks(entry.fit.errors, held_out)
+                       for entry in (before, after)))
 
     def odds(self, before: Candidate, after: Sequence[Candidate]) -> np.ndarray:
         """Return the log odds of candidates against another; -inf with an effect at its end."""
@@ -161,17 +160,17 @@ class Search:
             return odds > log(DECIDED) or (
                 odds > -log(DECIDED) and not self.unexplained(after))
         asked = CREDIBLE if before.names else self.campaign.odds_asked
-        if self.campaign.commissioned_unit:
+        if before.names or self.campaign.commissioned_unit or odds <= STRONG:
             return odds > asked
-        if odds > asked and (before.names or any(
-                matters(*(self.campaign.ratios(entry.fit.errors, part)
-                          for entry in (before, after)))
-                for part in parts(self.campaign))):
+        if odds > asked and any(matters(*(self.campaign.ratios(entry.fit.errors, part)
+                                          for entry in (before, after)))
+                                for part in parts(self.campaign)):
             return True
-        done = contribution(self.campaign, self.bare, before.fit)
+        fitted, held_out = (self.taken(before, after, part) for part in (False, True))
+        shares = [min(fitted[name], held_out[name]) for name in fitted.keys() & held_out.keys()]
         # The load of a flexible shaft follows rough rock better whether it is there or not.
-        return odds > STRONG and not flexible({*after.names} - {*before.names}) and shown(
-            *(self.gain(before, after, part) for part in (True, False)), done)
+        return not flexible(after.names) and bool(shares) and (
+            max(shares) >= PRACTICAL and min(shares) > -0.5 * PRACTICAL)
 
     def unexplained(self, candidate: Candidate) -> dict[str, float]:
         """Return the signals that the candidate leaves unexplained."""

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 from hst_drive.diagnose import free_forms, unlisted
 from hst_drive.diagnose.free_forms import better, how_much_better, Trial
-from hst_drive.identify.judge import Gain
 import pytest
 
 
@@ -50,7 +49,7 @@ def test_it_is_likely_and_leaves_little(monkeypatch, odds, simpler, before, afte
 def test_the_share_is_told_where_there_is_one(shares, told):
     search = SimpleNamespace(
         campaign=SimpleNamespace(commissioned_unit=False),
-        gain=lambda *_: Gain(shares, {}, {}, {}))
+        taken=lambda *_: shares)
     assert how_much_better(search, Best(fit=None), None) == told
 
 

@@ -78,8 +78,6 @@ def test_of_two_effects_one_is_left_where_no_rival_stands_for_the_other(monkeypa
         tried=lambda: [alone, both, instead], unexplained=lambda found: {})
     rivals = {'accumulator': (), 'entrained_air': ('gearbox_loss',)}
     assert choose.likeliest(search, both, rivals) is alone
-    monkeypatch.setattr(choose, 'alternatives', lambda search, best, name: ('shaft_compliance',))
-    assert choose.rivals_of(search, alone, both, rivals) == {'accumulator': ('shaft_compliance',)}
 
 
 @pytest.mark.needs_numba
