@@ -66,6 +66,21 @@ def test_the_adopted_rig_runs_with_the_effects(written, tmp_path, capsys):
     assert past['indistinguishable_from']['pump_lag'] == ['viscous_drag']
 
 
+@pytest.mark.parametrize('found, expected', [
+    ({'motor_speed': 0.004, 'load_torque': 0.001}, {'motor_speed': 0.004, 'load_torque': 0.001}),
+    # No sensor reads early: then commands were recorded late, all by the same.
+    ({'motor_speed': -0.003, 'load_torque': -0.005}, {'motor_speed': 0.002})])
+def test_how_late_sensors_read_is_adopted(found, expected):
+    delays = [{'channel': name, 'value': value, 'unit': 's', 'sigmas': 1.0}
+              for name, value in found.items()]
+    adopted = adopt(read_yaml(RIG), {**diagnosis(), 'sensor_delays': delays}, 'd.json', str(RIG))
+    rig = parse_rig(adopted, 'rig.yaml')
+    assert rig.delays == pytest.approx(expected)
+    assert rig.sensors['motor_speed'].noise_std == default_rig().sensors['motor_speed'].noise_std
+    with pytest.raises(InputError, match="d.json: key 'sensor_delays' is not a list of channels"):
+        adopt(read_yaml(RIG), {**diagnosis(), 'sensor_delays': [3]}, 'd.json', str(RIG))
+
+
 def test_adopting_twice_is_refused(written, tmp_path, capsys):
     """The second time the effect is there already; the file of the first stays as it is."""
     target = tmp_path / 'rig.yaml'
