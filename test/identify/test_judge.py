@@ -7,10 +7,11 @@ import pytest
 
 
 def test_what_is_taken_is_a_share_of_all_blocks_that_were_recorded():
-    before = {'motor_speed': np.array([4.0, np.nan, 2.0]), 'load_torque': np.array([0.2, 0.4, 0.0]),
-              'pump_speed': np.full(3, np.nan)}
-    after = {'motor_speed': np.array([1.0, np.nan, 2.0]), 'load_torque': np.zeros(3),
-             'pump_speed': np.full(3, np.nan)}
+    missing = np.full(3, np.nan)
+    before = {'motor_speed': np.array([4.0, np.nan, 2.0]),
+              'load_torque': np.array([0.2, 0.4, 0.0]), 'pump_speed': missing}
+    after = {'motor_speed': np.array([1.0, np.nan, 2.0]),
+             'load_torque': np.zeros(3), 'pump_speed': missing}
     # 6 squared floors before, 3 after; 0.2 is below the floor, of which it is a fifth.
     assert taken(before, after) == {'motor_speed': pytest.approx(0.5),
                                     'load_torque': pytest.approx(0.2)}
