@@ -28,8 +28,9 @@ from typing import Callable, Iterator, NamedTuple, Sequence
 from bench.score import wilson
 from hst_drive.bag import read_log
 from hst_drive.cli.output import table
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import calibrated, Fit
+from hst_drive.identify.fit import Fit
 from hst_drive.identify.model import Model
 from hst_drive.rig import load_rig
 import numpy as np

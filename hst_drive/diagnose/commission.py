@@ -19,9 +19,10 @@ from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import conditions, reach_of, thinning
-from hst_drive.identify.fit import calibrated, Fit, fit
+from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from hst_drive.diagnose.causes import misreadings
 from hst_drive.diagnose.free_forms import PATIENT, with_start
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import calibrated, Fit, fit
+from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import parts, unexplained
 
 

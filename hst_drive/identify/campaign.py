@@ -334,6 +334,12 @@ class Campaign:
         return np.concatenate([(error * column.weight)[column.fit] * self.thinning(column)
                                for error, column in zip(errors, self.columns)])
 
+    def without_blocks(self, blocks: Sequence[int]) -> Campaign:
+        """Return the campaign without some blocks to fit on, by their numbers."""
+        return self._changed(_splits=[
+            np.where((split > 0) & np.isin(number, blocks), 0, split)
+            for split, number in zip(self._splits, self._block)])
+
     def fitted_blocks(self) -> np.ndarray:
         """Return the number of its block for each sample of ``training``."""
         return np.concatenate([self._block[column.log][column.fit] for column in self.columns])

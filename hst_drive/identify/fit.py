@@ -200,11 +200,6 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
                jacobian.T @ jacobian)
 
 
-def calibrated(campaign: Campaign) -> Fit:
-    """Return the fit of the unit's factors alone."""
-    return fit(campaign, Model(), iterations=5, refresh=True)
-
-
 def for_sizes(campaign: Campaign, fitted: Fit) -> tuple[Campaign, Fit]:
     """
     Return the campaign for sizes (``Campaign.for_sizes``), and the fit in it.

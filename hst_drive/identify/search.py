@@ -13,9 +13,10 @@ from math import inf, log
 from typing import Callable, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of, flexible
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
-from hst_drive.identify.fit import calibrated, ended, Fit, fit, score
+from hst_drive.identify.fit import ended, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, matters, parts, PRACTICAL, taken, unexplained)
 from hst_drive.identify.phases import in_step

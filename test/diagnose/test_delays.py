@@ -10,8 +10,8 @@ from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.document import as_json
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import calibrated
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run

@@ -7,7 +7,7 @@ import re
 from test.measure.test_circuit import campaign
 
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.identify.fit import calibrated
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 import pytest

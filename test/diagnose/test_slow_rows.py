@@ -3,8 +3,8 @@
 """What the load lacks is seen in slow rows, too: its reading is compared, not replayed."""
 from bench.campaigns import as_runs
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import calibrated
 from hst_drive.identify.judge import unexplained
 import pytest
 

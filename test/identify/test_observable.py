@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Why logs cannot show an effect, and from which size on they do."""
 from hst_drive.effects import catalogue
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.evidence import CREDIBLE
-from hst_drive.identify.fit import calibrated
 from hst_drive.identify.observable import visibility
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Search

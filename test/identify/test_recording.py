@@ -8,8 +8,8 @@ from test.truth import make_campaign
 from types import SimpleNamespace
 
 from bench.campaigns import run_of
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.columns import Column
-from hst_drive.identify.fit import calibrated
 from hst_drive.identify.judge import CLEAN_RATIO, over_own_floors, unexplained
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.recording import in_time, lasting
