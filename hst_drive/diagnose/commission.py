@@ -145,8 +145,9 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
                              f'{(first if law else found).sentence} Mend or adopt that first, or '
                              'leave the log out')
         # What was asked for to find nothing missing is this machine's, and its logger's.
-        rig = with_delays(rig, {entry.channel: entry.value for entry in found.delays})
-        made, within = _of_make(rig, source)
+        if found.delays:
+            rig = with_delays(rig, {entry.channel: entry.value for entry in found.delays})
+            made, within = _of_make(rig, source)
         curve |= {entry.quantity: entry.factor for entry in found.calibration
                   if entry.quantity in WAVES}
         if found.verdict == 'none' and len(found.logs) > 1:

@@ -114,6 +114,8 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     named = {best.names, *exchanged(best, rivals)} if verdict != 'unknown' else set()
     given = decided(weigh(search, best), verdict, named)
+    # How its leakages go with its oil, where these logs are the first to tell.
+    power = None if OIL_LAW in rig.effects else campaign.adopted.get(OIL_LAW, {}).get('exponent')
     said = sentence(verdict, effects, ladder, remaining,
                     tuple(name for name in hidden if hidden[name] != ELSEWHERE), strained,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
@@ -124,8 +126,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
-            beyond(unseen, verdict != 'none' and oil_untold(rig, logs), None if OIL_LAW in
-                   rig.effects else campaign.off(OIL_LAW)['exponent'] or None)])),
+            beyond(unseen, verdict != 'none' and oil_untold(rig, logs), power)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},

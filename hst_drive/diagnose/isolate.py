@@ -17,7 +17,7 @@ from hst_drive.channels import LINES, PRESSURES
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
-from hst_drive.identify.zeros import late, read_beyond
+from hst_drive.identify.zeros import as_read
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.turns import SLOW
@@ -209,8 +209,7 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
     if not location.balance:
         return None
     part = PartModel(campaign.rig, model.model.effects, model.model.scales)
-    part.zeros = read_beyond(campaign.rig, model.model)
-    part.delays = late(campaign.rig, model.model)
+    part.zeros, part.delays = as_read(campaign.rig, model.model)
     try:
         replay = PartReplay(campaign.replays[index].run, part)
     except InputError:

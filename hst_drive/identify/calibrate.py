@@ -21,7 +21,7 @@ def calibrated(campaign: Campaign) -> Fit:
     the effects. What comes back is no event, but physics that shows only there.
     """
     plain = fit(campaign, Model(), iterations=5, refresh=True)
-    if _fits(campaign, plain):
+    if not campaign.events or _fits(campaign, plain):
         return plain
     # Without the blocks that are off most, as many as single events may spoil.
     number = campaign.fitted_blocks()

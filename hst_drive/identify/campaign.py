@@ -20,7 +20,7 @@ from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
-from hst_drive.identify.zeros import DELAY, delays_of, late, read_beyond, zeros_of
+from hst_drive.identify.zeros import as_read, DELAY, delays_of, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.judged import judged
 from hst_drive.measure.oscillation import means_where, shaking
@@ -84,7 +84,7 @@ class Campaign:
                          else shaking(replay.run) for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
         self.zeros = zeros_of(rig, self.replays, self.by_balance)
-        self.delays = delays_of(rig, self.replays)
+        self.delays = self._delays()
 
     def _model(self):
         return Drive(self.rig, max_step=MAX_STEP)
@@ -282,7 +282,7 @@ class Campaign:
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
         drive = self.drive.copied()
-        drive.zeros, drive.delays = read_beyond(self.rig, model), late(self.rig, model)
+        drive.zeros, drive.delays = as_read(self.rig, model)
         drive.scale(model.scales)
         for name, values in self.switched(model).items():
             drive.switch_on(name, values)

@@ -3,6 +3,7 @@
 """Logs of a part of the drive as a fitting problem: every balance that they close is a signal."""
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Sequence
 
 from hst_drive.channels import CHANNELS, TORQUES
@@ -11,7 +12,7 @@ from hst_drive.effects.slots import DRILLING_SPEED, LEAKS
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
-from hst_drive.identify.zeros import late, read_beyond
+from hst_drive.identify.zeros import as_read
 from hst_drive.measure.balances import datasheet_error, is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
@@ -54,12 +55,10 @@ class PartCampaign(Campaign):
         super().__init__(rig, runs, holdout)
         self._named = bool(holdout)
         self._typical: dict[str, dict[str, float]] = {}
-        self._still = self.errors(Model())
         self.tolerances = {key: value for key, value in self.tolerances.items()
                            if self._moves(Model({}, {key: value}))}
         self.zeros = {name: value for name, value in self.zeros.items()
                       if self._moves(Model({}, {}, {name: value}))}
-        self.delays = self._delays()
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
@@ -112,7 +111,7 @@ class PartCampaign(Campaign):
     def driver(self, model: Model) -> PartModel:
         """Return a part with the model's effects and factors."""
         part = self.drive.changed(self.switched(model), model.scales)
-        part.zeros, part.delays = read_beyond(self.rig, model), late(self.rig, model)
+        part.zeros, part.delays = as_read(self.rig, model)
         return part
 
     def to_record(self, models: Sequence[Model]) -> str:
@@ -205,6 +204,10 @@ class PartCampaign(Campaign):
     def _delays(self, usual: float = 0.0) -> dict[str, float]:
         return {name: value for name, value in super()._delays(usual).items()
                 if self._moves(Model({}, {}, {}, {name: value}))}
+
+    @cached_property
+    def _still(self) -> list[np.ndarray]:
+        return self.errors(Model())
 
     def _moves(self, model: Model) -> bool:
         return self._differ(self.errors(model), self._still)

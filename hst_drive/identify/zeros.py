@@ -53,13 +53,6 @@ def delays_of(rig: Rig, replays: Sequence[Replay | PartReplay],
             if (sigma := stated.get(name, usual))}
 
 
-def late(rig: Rig, model: Model) -> dict[str, float]:
-    """Return how late each sensor reads, s, by channel: as its rig file says, and more."""
-    more = {key.removesuffix(LATE): value for key, value in model.delays.items()}
-    return {name: rig.delays.get(name, 0.0) + more.get(name, 0.0)
-            for name in {**rig.delays, **more}}
-
-
 def _usual(replays: Sequence[Replay | PartReplay]) -> dict[str, float]:
     """Return those of gauges, and of the torque beside them: no better than they scatter."""
     found: dict[str, float] = {}
@@ -70,7 +63,14 @@ def _usual(replays: Sequence[Replay | PartReplay]) -> dict[str, float]:
     return found if any(CHANNELS[name].unit == 'Pa' for name in found) else {}
 
 
-def read_beyond(rig: Rig, model: Model) -> dict[str, float]:
-    """Return what each sensor reads beyond the truth, SI: as learnt of the machine, and more."""
-    return {name: rig.zeros.get(name, 0.0) + model.zeros.get(name, 0.0)
-            for name in {**rig.zeros, **model.zeros}}
+def as_read(rig: Rig, model: Model) -> tuple[dict[str, float], dict[str, float]]:
+    """
+    Return what each sensor reads beyond the truth (SI), and how late it reads (s), by channel.
+
+    Both as known of the machine, and what the model has more.
+    """
+    late = {key.removesuffix(LATE): delay for key, delay in model.delays.items()}
+    zeros, delays = ({name: known.get(name, 0.0) + more.get(name, 0.0)
+                      for name in {**known, **more}}
+                     for known, more in ((rig.zeros, model.zeros), (rig.delays, late)))
+    return zeros, delays

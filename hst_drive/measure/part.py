@@ -205,8 +205,9 @@ class PartReplay:
     def _rate(self, values: np.ndarray, name: str) -> np.ndarray:
         if self.static or not self._widths[name]:
             return np.zeros(len(values))
-        return (gaussian_filter1d(values, self._widths[name], order=1, mode='nearest')
-                / gaussian_filter1d(self.run.time, self._widths[name], order=1, mode='nearest'))
+        width = self._widths[name]
+        return (gaussian_filter1d(values, width, order=1, mode='nearest')
+                / gaussian_filter1d(self.run.time, width, order=1, mode='nearest'))
 
     def _measured(self, name: str) -> np.ndarray:
         """Return what the prediction is compared with; NaN where it is not known."""

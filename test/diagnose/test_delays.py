@@ -35,6 +35,13 @@ def told(found):
     return {name: value - late['motor_inlet_flow'] for name, value in late.items()}
 
 
+def test_what_takes_the_delays_up_is_named_alone():
+    found = diagnose(*as_runs(make_campaign(
+        29001, {'line_loss': 1.0}, sensor_filter=FILTER, delay=DELAYS)))
+    assert found.verdict == 'missing_effect'
+    assert [entry.id for entry in found.effects] == ['line_loss']
+
+
 @pytest.mark.parametrize('hidden', [None, 'motor_leakage'])
 def test_a_drive_whose_readings_are_late_lacks_nothing_else(hidden):
     made = make_campaign(29001, {hidden: 1.0} if hidden else {}, sensor_filter=FILTER,
