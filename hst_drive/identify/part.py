@@ -13,11 +13,11 @@ from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
 from hst_drive.identify.zeros import as_read
-from hst_drive.measure.balances import datasheet_error, is_part, lacking
+from hst_drive.measure.balances import is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
-from hst_drive.measure.run import BLOCK, Run
+from hst_drive.measure.run import BLOCK, Run, usual_size
 from hst_drive.model.circuit_model import part_model
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
@@ -125,7 +125,7 @@ class PartCampaign(Campaign):
         apart: dict[str, float] = {}
         for signal, balance in closing.items():
             noise = CHANNELS[signal].noise * np.max(np.abs(first[signal]))
-            std = np.hypot(datasheet_error(balance, first[signal]), noise) + 1e-30
+            std = np.hypot(balance.sheet * usual_size(first[signal]), noise) + 1e-30
             apart[signal] = min(float(np.sqrt(np.mean((other[signal] - first[signal])**2)))
                                 for other in rest) / std
         telling = sorted((name for name, far in apart.items() if far > 1.0),

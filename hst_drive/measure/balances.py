@@ -7,7 +7,7 @@ from typing import Any, Callable, Container, Iterable
 
 from hst_drive.channels import PRESSURES, TORQUES
 from hst_drive.measure import equations
-from hst_drive.measure.run import FEWEST, Run, USUAL
+from hst_drive.measure.run import FEWEST, Run
 from hst_drive.model.circuits import Balance, OF_A_LEAK
 from hst_drive.rig import Rig
 import numpy as np
@@ -122,12 +122,6 @@ def _given(rig: Rig, key: str) -> bool:
         # A pump that can be set stands anywhere: only its command, or its stroke, says where.
         return False
     return getattr(rig, section) is not None and (not name or name in getattr(rig, section).given)
-
-
-def datasheet_error(balance: Balance, values: np.ndarray) -> float:
-    """Return the error (SI) that a datasheet leaves on a balance whose signal has these values."""
-    known = np.abs(values[np.isfinite(values)])
-    return balance.sheet * float(np.percentile(known, USUAL)) if len(known) else 0.0
 
 
 def what_would_close(run: Run, rig: Rig, balances: Iterable[Balance] = ()) -> str:

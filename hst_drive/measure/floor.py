@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hst_drive.measure.balances import BALANCES, datasheet_error
+from hst_drive.measure.balances import BALANCES
 from hst_drive.measure.noise import estimate_coloured, steady_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.recorded_load import DRAWS
-from hst_drive.measure.run import BLOCK
+from hst_drive.measure.run import BLOCK, usual_size
 from hst_drive.model import Drive
 from hst_drive.model.part import PartModel
 import numpy as np
@@ -67,7 +67,7 @@ def replay_floor(replay: Replay, drive: Drive,
     power = {name: replay.noise[name]**2 for name in replay.signals}
     drain = BALANCES['case drain']
     if drain.signal in power:
-        power[drain.signal] += datasheet_error(drain, replay.run[drain.signal])**2
+        power[drain.signal] += (drain.untold * usual_size(replay.run[drain.signal]))**2
     if not replay.can_correct:
         given = replay.predict(drive)
         for name in replay.signals:

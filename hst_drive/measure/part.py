@@ -16,15 +16,15 @@ from typing import Any, Callable, Mapping
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.balances import closed, datasheet_error, is_table, what_would_close
+from hst_drive.measure.balances import closed, is_table, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.floor import part_floor
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import bridged, earlier, gaps, later
-from hst_drive.measure.run import Run, shifted, USUAL
+from hst_drive.measure.run import Run, shifted, usual_size
 from hst_drive.measure.turns import into_step
-from hst_drive.model.circuits import Balance, OF_A_LEAK
+from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 from hst_drive.rig.rig import NO_SIGN
@@ -117,7 +117,7 @@ class PartReplay:
 
     def usual(self, *names: str) -> float:
         """Return the size, SI, that the first of some channels usually has; 0 without one."""
-        return next((float(np.percentile(np.abs(self._channels[name]), USUAL))
+        return next((usual_size(self._channels[name])
                      for name in names if name in self._channels), 0.0)
 
     def counted(self, name: str) -> np.ndarray:
@@ -282,9 +282,7 @@ class PartReplay:
     def sheet_error(self, name: str) -> float:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
         balance = self.balances[name]
-        # What the sheet of an open circuit lacks of other curves are numbers of the unit.
-        return datasheet_error(balance, self.run[name]) if (
-            balance.sheet == OF_A_LEAK or not balance.equation) else 0.0
+        return balance.untold * usual_size(self.run[name])
 
 
 def _without(zeros: Mapping[str, float], channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

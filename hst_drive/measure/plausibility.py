@@ -15,7 +15,7 @@ from hst_drive.channels import CHANNELS, COMMANDS, PRESSURES, TORQUES
 from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.measure.balances import is_part
-from hst_drive.measure.run import BLOCK, FEWEST, Run, USUAL
+from hst_drive.measure.run import BLOCK, FEWEST, Run, usual_size
 from hst_drive.measure.signs import swapped
 from hst_drive.measure.where import WARMS
 from hst_drive.rig import Rig
@@ -113,7 +113,7 @@ def _commands(rig: Rig, run: Run) -> list[str]:
                         ('valve_command', rig.valve and rig.valve.opening)):
         if curve is None or not np.isfinite(run.channels.get(name, np.nan)).any():
             continue
-        high, end = np.nanpercentile(np.abs(run[name]), USUAL), np.abs(curve.x).max()
+        high, end = usual_size(run[name]), np.abs(curve.x).max()
         if high > _COMMANDED * end:
             found.append(f'{name} is {high:.3g} V and more for a twentieth of the time, where the '
                          f"rig's curve ends at {end:.3g} V (percent or mA taken for V?)")
@@ -196,7 +196,7 @@ def _ratio(a: np.ndarray, b: np.ndarray) -> float:
     if good.sum() < FEWEST:
         return np.nan
     a, b = a[good], b[good]
-    large = np.abs(b) > _LOW * np.percentile(np.abs(b), USUAL)
+    large = np.abs(b) > _LOW * usual_size(b)
     large &= b != 0.0
     return float(np.median(a[large] / b[large])) if large.sum() >= FEWEST else np.nan
 
@@ -215,7 +215,7 @@ def _factor(group: Group, sure: bool = False) -> list[str]:
         against = [_ratio(group.values[name], group.values[other]) for other in others]
         if not pairs or not all(map(_alike, pairs)) or any(map(np.isnan, against)):
             continue
-        if min(_size(group.values[other]) for other in others) < group.least:
+        if min(usual_size(group.values[other]) for other in others) < group.least:
             continue
         ratio = float(np.median(against))
         unit = _unit_of(name, ratio)
@@ -238,10 +238,6 @@ def _made_by_losses(name: str, beyond: float) -> tuple[float, float]:
     return 1 / low, high
 
 
-def _size(values: np.ndarray) -> float:
-    return float(np.nanpercentile(np.abs(values), USUAL))
-
-
 def _unit_of(name: str, ratio: float) -> str:
     """Return the slip of a unit that makes a ratio; empty if none is known."""
     # A pressure holds the losses, too.
@@ -260,7 +256,7 @@ def _drift(group: Group) -> list[Drift]:
     best, told = 0.0, []
     for name in names:
         others = [other for other in names if other != name]
-        size = _size(group.values[others[0]])
+        size = usual_size(group.values[others[0]])
         own = [_trend(group, name, other) for other in others]
         sure = min(entry[1] for entry in own)
         change = float(np.median([entry[0] for entry in own]))
@@ -290,7 +286,7 @@ def _trend(group: Group, name: str, other: str) -> tuple[float, float]:
     columns.append(time)
     matrix = np.column_stack(columns)
     good = np.isfinite(matrix).all(axis=1) & np.isfinite(a)
-    good &= np.abs(b) > _LOW * np.nanpercentile(np.abs(b), USUAL)
+    good &= np.abs(b) > _LOW * usual_size(b)
     if good.sum() < len(columns) + FEWEST:
         return 0.0, 0.0
     others, time = matrix[good, :-1], time[good]

@@ -124,6 +124,12 @@ def shifted(signals: Mapping[str, np.ndarray],
                           if name in signals}}
 
 
+def usual_size(values: np.ndarray) -> float:
+    """Return up to which size values usually are; 0 without any."""
+    known = np.abs(values[np.isfinite(values)])
+    return float(np.percentile(known, USUAL)) if len(known) else 0.0
+
+
 def same_recording(one: Run, other: Run) -> bool:
     """Say whether two files hold one recording: the same readings, in whatever format."""
     common = one.channels.keys() & other.channels.keys()

@@ -172,7 +172,7 @@ class Samples:
         """Return how far off a maker's sheet may be on a balance, SI."""
         balance = self._balances[name]
         reading = self._channels[balance.channels(self._channels)[0]]
-        return 0.0 if balance.equation else balance.sheet * abs(self.mean(reading)) * (
+        return balance.untold * abs(self.mean(reading)) * (
             self._model.motor_displacement if balance.swept else 1.0)
 
     def by_channel(self, channel: str) -> dict[str, float]:

@@ -99,6 +99,12 @@ class Balance(NamedTuple):
         """Alternatives of the signal and of each channel that it needs."""
         return tuple(entry.split('|') for entry in (self.signal, *self.needs))
 
+    @property
+    def untold(self) -> float:
+        """What of ``sheet`` the unit's own factors do not tell either."""
+        # Of other curves an open circuit has factors, of its leakage one alone.
+        return self.sheet if self.sheet == OF_A_LEAK or not self.equation else 0.0
+
     def channels(self, present: Container[str]) -> tuple[str, ...]:
         """Return what it goes by: those of its alternatives that are present, the signal first."""
         return tuple(dict.fromkeys(
