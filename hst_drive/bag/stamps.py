@@ -101,7 +101,9 @@ def check_time(time: np.ndarray, rows: Sequence[int], path: str) -> None:
     back = np.flatnonzero(np.diff(time) <= 0)
     if len(back):
         at = back[0]
-        what = 'runs back' if time[at + 1] < time[at] else 'stands still'
+        back = time[at + 1] < time[at]
+        what = 'runs back' if back else 'stands still'
         raise InputError(f'{path}: row {rows[at + 1]}: the time {what} ({time[at]:.9g} s, then '
                          f'{time[at + 1]:.9g} s); expected rising time stamps; '
-                         'leave out the rows that come twice')
+                         + ('cut the log there, or sort its rows by time' if back else
+                            'leave out the rows that come twice'))

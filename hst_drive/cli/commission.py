@@ -17,6 +17,7 @@ from hst_drive.cli.common import (
 from hst_drive.cli.diagnose import progress_line, tell_notes
 from hst_drive.cli.output import (
     add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
+from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.commission import Commissioned
@@ -38,12 +39,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Commission, write and print."""
     from hst_drive.diagnose.commission import commission
+    from hst_drive.rig.fingerprint import SECTION
     from hst_drive.rig.yaml_file import read_yaml
 
     day_to_day = day_to_day_of(args)
     refuse_to_replace(args.output, args.force)
     source = rig_file_of(args)
     rig = read_yaml(source)
+    if SECTION in rig:
+        raise InputError(f'{source}: is the file of a machine that was commissioned already; give '
+                         "the make's, from which that was made, with --rig")
     runs = read_logs(args.logs, args.channels)
     tell_notes(runs, args.rig)
     found = commission(rig, source, runs, day_to_day, progress=progress_line())
@@ -72,7 +77,7 @@ def text(found: Commissioned) -> str:
     lines = [table(header, rows), '',
              'from day to day (one sigma): '
              f'{found.day_to_day:g} of the tolerance of the make, '
-             + ('from these logs' if found.from_logs else 'as stated'),
+             + ('from these logs' if found.from_logs else 'as --day-to-day, or its default, says'),
              'commissioned for: ' + ', '.join(_conditions(found))]
     learnt = found.rig['commissioned']
     if zeros := learnt.get(ZEROS):

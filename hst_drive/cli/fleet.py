@@ -100,8 +100,13 @@ def _limits(args: argparse.Namespace) -> Limits:
     from hst_drive.rig.yaml_file import read_yaml
 
     limits = read_limits(read_yaml(args.limits), args.limits) if args.limits else {}
-    limits.update(read_limit(entry) for entry in args.limit)
-    return limits
+    given: Limits = {}
+    for text in args.limit:
+        key, limit = read_limit(text)
+        if key in given:
+            raise InputError(f"--limit '{text}': '{key[0]}' has a limit already; give one")
+        given[key] = limit
+    return {**limits, **given}
 
 
 def _progress(began: float):

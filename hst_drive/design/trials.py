@@ -12,8 +12,10 @@ from __future__ import annotations
 from typing import Callable, NamedTuple
 
 from hst_drive.design.families import DRAWN, Knots, Pen, STEP
+from hst_drive.errors import InputError
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import OPEN
 from hst_drive.units import from_si
 import numpy as np
 
@@ -74,6 +76,10 @@ def limits(rig: Rig) -> Limits:
 
     Raise InputError if the rig lacks a section.
     """
+    if rig.circuit == OPEN and not rig.whole:
+        raise InputError(f'{rig.source or rig.name}: describes a part of a drive; tests are '
+                         'designed for whole drives; what to record of a part is said by the '
+                         'diagnosis of its logs')
     rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', 'controller',
                 purpose='the design of a test')
     pump, motor = rig.pump, rig.motor

@@ -140,10 +140,13 @@ def _mistaken(search: Search) -> Iterator[_Cause]:
 
 def _off(search: Search, key: str, found: Fit, many: float) -> Trial:
     """Return what a wrong number of the datasheet would be told as."""
+    against = 'what it was when commissioned' if search.campaign.commissioned_unit else \
+        "the datasheet's"
+
     def said(name: str, change: float) -> str:
         share = np.expm1(change)
         side = 'above' if share > 0 else 'below'
-        return f"a {name} {100 * abs(share):.1f} % {side} the datasheet's"
+        return f'a {name} {100 * abs(share):.1f} % {side} {against}'
 
     change = found.model.factors[key]
     what = f'{said(key, change)} ({many:.0f} times its tolerance)'

@@ -3,6 +3,7 @@
 """From fitted candidates to an answer: none, found, ambiguous or unknown."""
 from __future__ import annotations
 
+from math import exp
 from typing import Callable, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
@@ -32,7 +33,7 @@ from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import forms, standing, without
-from hst_drive.identify.weigh import weigh
+from hst_drive.identify.weigh import log_odds, weigh
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -261,14 +262,18 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
     standing = {entry for group in rivals.values() for entry in group}
     named = 'what was found' if len(best.names) > 1 else best.names[0]
     told = {}
-    for entry in ranking[:6]:
-        if entry.id in best.names or entry.id in standing:
+    nearest = [search.single(entry.id) for entry in ranking[:6]
+               if entry.id not in best.names and entry.id not in standing]
+    for entry, odds in zip(nearest, log_odds(search, [best, *nearest])[1:]):
+        ratios = search.campaign.ratios(entry.fit.errors, True)
+        if not ratios:      # too little is held out
             continue
-        ratios = search.campaign.ratios(search.single(entry.id).fit.errors, True)
-        if ratios:      # else too little is held out
-            worst = max(ratios, key=lambda name: ratios[name]**2 - left[name]**2)
-            told[entry.id] = (f'leaves {CHANNELS[worst].title} at {times(ratios[worst])} times '
-                              f'the noise, {named} at {times(left[worst])}')
+        worst = max(ratios, key=lambda name: ratios[name]**2 - left[name]**2)
+        leaves, well = times(ratios[worst]), times(left[worst])
+        told[entry.names[0]] = (
+            f'leaves {CHANNELS[worst].title} at {leaves} times the noise, {named} at {well}'
+            if ratios[worst] > left[worst] and leaves != well else
+            f'leaves as little, but is {exp(min(-odds, 20.0)):.2g} times less probable')
     return told
 
 

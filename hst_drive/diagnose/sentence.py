@@ -13,6 +13,14 @@ from hst_drive.identify.evidence import DECIDED, Probability
 from hst_drive.identify.judge import CLEAN_RATIO
 from hst_drive.units import for_people
 
+# Where something enters that no listed effect explains: what may be wrong there.
+_CHECK = {
+    'sensor': "that sensor's zero, span and time stamps",
+    'flow': 'displacements, leakages and oil in the rig file, and the flow meter',
+    'torque': 'efficiency and inertia in the rig file, and the torque sensor',
+    'load': 'the loading unit in the rig file, the torque sensor, and what else loads the shaft',
+    'pump_actuator': "the pump's curve and lag in the rig file, and its command's column"}
+
 
 def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
              remaining: Unknown | None, hidden: Sequence[str] = (),
@@ -52,7 +60,8 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
-        place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.'
+        place = f' It enters at the {remaining.enters.replace("_", " ")}{on}.' + (
+            f' First to check: {_CHECK[remaining.enters]}.' if remaining.enters in _CHECK else '')
     start = f'The model lacks {lacks}, and something' if lacks else 'The model lacks something'
     return ' '.join(filter(None, [changed, f'{start} that no listed effect explains.{place} '
                                   + (falls if effects else '')]))

@@ -27,6 +27,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
 from hst_drive.identify.timing import (
     DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
+from hst_drive.measure.readings import best_delay
 from hst_drive.measure.where import WARMS
 from hst_drive.rig.schema import ONE_SIDED
 import numpy as np
@@ -152,7 +153,7 @@ def _additions(search: Search, best: Candidate, left: Container[str]) -> Iterato
         # The torque's reading goes into the replay: late, it spoils the other signals.
         for name in LATE_READINGS:
             if name in left or name == search.campaign.replays[0].torque:
-                yield _timed(search, best.fit, reads_late(name))
+                yield from (_timed(search, best.fit, timing) for timing in reads_late(name))
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
@@ -207,10 +208,20 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
             changed = with_timing(campaign, timing, trial)
             return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
 
-        number = minimize_scalar(cost, bounds=timing.bounds, method='bounded',
-                                 options={'xatol': timing.resolved}).x
+        number = minimize_scalar(
+            cost, bounds=timing.bounds, method='bounded', options={'xatol': timing.resolved}
+        ).x if timing.bounds else number + _late(
+            with_timing(campaign, timing, number), fitted.model, timing.signal)
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
                      known=search.base.columns, kept=kept)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
                                        (timing.depends_on,), timing.where + what))
+
+
+def _late(campaign: Campaign, model: Model, signal: str) -> float:
+    """Return how late (s) a signal is read, as most logs have it."""
+    drive = campaign.driver(model)
+    return float(np.median([best_delay(
+        replay.run.time, replay.predict(drive)[signal], replay.run[signal])
+        for replay in campaign.replays if signal in replay.signals]))

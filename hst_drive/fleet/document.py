@@ -18,6 +18,7 @@ def as_json(lives: Lives, summary: Summary) -> dict:
         'outliers': [{'median': entry.median, 'z': entry.z, **entry.point._asdict()}
                      for entry in summary.outliers],
         'failures': [{'campaign': name, 'reason': reason} for name, reason in summary.failures],
+        'undated': summary.undated,
         'rows': lives.rows}
 
 

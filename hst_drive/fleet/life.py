@@ -9,6 +9,7 @@ diagnosis of every later campaign by that file, and the sizes of what was found 
 from __future__ import annotations
 
 from functools import partial
+import hashlib
 import json
 import re
 from typing import Callable, Collection, Mapping, NamedTuple, Sequence
@@ -76,7 +77,7 @@ def live(campaigns: Sequence[Campaign], store: Store, *,
         name = row['machine']
         units[name] = f"none, judged by its make: {row['reason']}"
         if row['status'] == 'done':
-            files[name] = units[name] = _written(store, name, row['unit'])
+            files[name] = units[name] = written(store, name, row['unit'])
             if row.get('refused'):
                 units[name] += f", of the first day alone: {row['refused']}"
             logs = {*row['used']}
@@ -135,11 +136,15 @@ def _together(name: str, days: Sequence[Campaign]) -> Campaign:
     return days[0]._replace(name=name, logs=logs, holdout=())
 
 
-def _written(store: Store, name: str, unit: dict) -> str:
+def written(store: Store, name: str, unit: dict) -> str:
     """Write a machine's own rig file and return its path."""
     folder = store.folder / 'units'
     folder.mkdir(exist_ok=True)
-    path = folder / f'{re.sub(r"[^A-Za-z0-9._-]", "_", name)}.yaml'
+    plain = re.sub(r'[^A-Za-z0-9._-]', '_', name)
+    if plain != name:
+        # Two machines may read alike without what no file system bears.
+        plain += '-' + hashlib.sha256(name.encode()).hexdigest()[:8]
+    path = folder / f'{plain}.yaml'
     write_yaml(unit, path)
     return str(path)
 

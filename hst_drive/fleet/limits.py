@@ -39,7 +39,11 @@ def read_limits(content: Mapping, source: str) -> Limits:
 def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], float]:
     """Read one limit: its key and its size."""
     if key in (OIL, f'{OIL}.{CHANGE}'):
-        return (OIL, CHANGE), _number(key, value, '1', source, '20 %')
+        limit = _number(key, value, '1', source, '-20 %')
+        if abs(limit) >= 1.0:
+            raise InputError(f"{source}: '{key}' is {value}: no oil's stiffness changes so much; "
+                             "expected a share, as '-20 %'")
+        return (OIL, CHANGE), limit
     name, _, parameter = key.partition('.')
     known = catalogue(everything=True)
     if name not in known:

@@ -117,6 +117,7 @@ class Summary(NamedTuple):
     machines: list[Machine]
     outliers: list[Outlier]
     failures: list[tuple[str, str]]
+    undated: list[str]
 
 
 def summarise(lives: Lives, limits: Limits | None = None) -> Summary:
@@ -125,7 +126,8 @@ def summarise(lives: Lives, limits: Limits | None = None) -> Summary:
                 for name in sorted({row['machine'] for row in lives.rows})]
     return Summary(sorted(machines, key=_urgency), outliers(lives.rows),
                    [(row['campaign'], row['reason']) for row in lives.rows
-                    if row['status'] == 'failed'])
+                    if row['status'] == 'failed'],
+                   [row['campaign'] for row in lives.rows if not row['date']])
 
 
 def points_of(row: dict) -> list[Point]:

@@ -153,6 +153,11 @@ def sentence(summary: Summary) -> str:
             entry.point.machine for entry in summary.outliers[:_MOST])) + '.'
     if summary.failures:
         text += f' {many(len(summary.failures), "campaign")} could not be judged.'
+    if summary.undated:
+        more = ' and more' if len(summary.undated) > _MOST else ''
+        text += (f' {many(len(summary.undated), "campaign")} in no trend, without a date '
+                 '(YYYY-MM-DD) in the name of the folder or of a log: '
+                 f'{", ".join(summary.undated[:_MOST])}{more}.')
     return text
 
 

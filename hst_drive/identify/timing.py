@@ -21,15 +21,16 @@ import numpy as np
 
 class Timing(NamedTuple):
     """
-    A way to answer: ``change(campaign, replay, number)`` changes a copy of one log's replay.
+    A way to answer: ``change(campaign, number)`` changes a copy of a campaign.
 
-    ``told(number)`` says what it is, for numbers between ``bounds``, ``where`` it is comes before;
+    ``told(number)`` says what it is, for numbers between ``bounds`` (None: of a delay, which rows
+    tell without a simulation), ``where`` it is comes before;
     ``enters``, ``signal`` (empty: any) and ``depends_on`` say the same for a program.
     """
 
-    change: Callable[[Campaign, Any, float], None]
+    change: Callable[[Campaign, float], None]
     told: Callable[[float], str]
-    bounds: tuple[float, float]
+    bounds: tuple[float, float] | None
     resolved: float
     where: str = 'the pump follows its command with '
     enters: str = 'pump_actuator'
@@ -40,16 +41,16 @@ class Timing(NamedTuple):
 def with_timing(campaign: Campaign, timing: Timing, number: float) -> Campaign:
     """Return the campaign with a drive that answers in this way."""
     changed = campaign.copied()
-    for replay in changed.replays:
-        timing.change(campaign, replay, number)
+    timing.change(changed, number)
     return changed
 
 
 def _of_the_pump(change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndarray],
                  told: Callable[[float], str], *more: Any) -> Timing:
-    def changed(campaign: Campaign, replay: Any, number: float) -> None:
-        command = change(campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)
-        replay.inputs = {**replay.inputs, 'pump_command': command}
+    def changed(campaign: Campaign, number: float) -> None:
+        for replay in campaign.replays:
+            replay.inputs = {**replay.inputs, 'pump_command': change(
+                campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)}
 
     return Timing(changed, told, *more)
 
@@ -69,15 +70,23 @@ def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
     return pump.command_of(np.append(needed, aims[-1]))
 
 
-def reads_late(signal: str) -> Timing:
-    """Return a sensor whose reading lags."""
-    def changed(campaign: Campaign, replay: Any, lag: float) -> None:
-        replay.readings = copy.copy(replay.readings)
-        replay.readings.lags = {signal: lag}
+def reads_late(signal: str) -> tuple[Timing, Timing]:
+    """Return a sensor that reads late: a filter's lag, and a clock's that may be early (< 0)."""
+    def filtered(campaign: Campaign, lag: float) -> None:
+        for replay in campaign.replays:
+            replay.readings = copy.copy(replay.readings)
+            replay.readings.lags = {signal: lag}
 
-    title = CHANNELS[signal].title
-    return Timing(changed, lambda lag: f'a lag of {1e3 * lag:.0f} ms in the reading of {title}',
-                  (1e-3, 1.0), 1e-3, '', 'sensor', signal, signal)
+    def moved(campaign: Campaign, delay: float) -> None:
+        for replay in campaign.replays:
+            replay.read_earlier(signal, delay)
+
+    def told(delay: float) -> str:
+        early = 'lead' if delay < 0.0 else 'lag'
+        return f'a {early} of {1e3 * abs(delay):.0f} ms in the reading of {CHANNELS[signal].title}'
+
+    place = '', 'sensor', signal, signal
+    return Timing(filtered, told, (1e-3, 1.0), 1e-3, *place), Timing(moved, told, None, 0, *place)
 
 
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',

@@ -15,6 +15,7 @@ from hst_drive.measure.closed_loop import closed_loop_signals, command_floor, co
 from hst_drive.measure.errors import ErrorSummary, Moments, summarise
 from hst_drive.measure.judged import everything, Judged, judged
 from hst_drive.measure.part import PartReplay
+from hst_drive.measure.readings import best_delay, LONGEST_DELAY
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import (
@@ -27,7 +28,6 @@ from hst_drive.rig import Rig
 import numpy as np
 
 _MENDED = 0.3           # of the squared error may stay if clocks are to blame
-_LONGEST_DELAY = 0.1    # s
 
 
 class Sections(NamedTuple):
@@ -189,19 +189,18 @@ def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False
 
 def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: float) -> float:
     """Return by how much (s) the measurement lags behind the model; 0 where it cannot be told."""
-    rate = np.gradient(model, time)
-    valid = np.isfinite(measured) & np.isfinite(rate)
-    if not valid.any():
+    delay = best_delay(time, model, measured, floor)
+    if not delay:
         return 0.0
-    rate, error = rate[valid] - rate[valid].mean(), (model - measured)[valid]
-    power = float(rate @ rate)
-    if power <= 0:
-        return 0.0
-    delay = float(rate @ (error - error.mean())) / power
-    deviation = max(floor, float(error.std())) / math.sqrt(power)
-    # Residuals are correlated over some ten samples: ask for a clear sign. The slope tells a
-    # short delay only; what looks longer is another error.
-    return delay if 10 * deviation < abs(delay) < _LONGEST_DELAY else 0.0
+    slope = np.gradient(model, time)
+    before, after = (float(np.nanvar(np.interp(time - late, time, model) - measured)) - floor**2
+                     for late in (0.0, delay))
+    deviation = math.sqrt((max(after, 0.0) + floor**2) / np.isfinite(slope + measured).sum()
+                          ) / float(np.nanstd(slope))
+    # Residuals are correlated over some ten samples: ask for a clear sign. What a delay does not
+    # mend is another error.
+    mends = before <= 0.0 or after <= _MENDED * before
+    return delay if mends and 10 * deviation < abs(delay) < LONGEST_DELAY else 0.0
 
 
 class _Aligned(NamedTuple):

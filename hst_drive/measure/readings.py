@@ -16,6 +16,7 @@ _LOOKED_AT, _ROUNDED = 20_000, 1e-9     # values, and of their range what roundi
 _COARSE, _AGAIN = 12, 0.1   # values of a coarse reading, and what share of its rows they are
 _SLOW = 1.0     # s: slower parts of a signal are taken as they are
 _MIXED = 0.3, 1.7    # of a delay: their mean is late as two filters of half of it in a row are
+LONGEST_DELAY, _TRIALS, _STEPS = 0.2, 41, 3     # s; delays that are tried, steps from the best
 _LAG_SHARE = 0.7    # of a lag: half the window of the slope that undoes it
 
 
@@ -112,6 +113,28 @@ def later(time: np.ndarray, values: np.ndarray, delay: float) -> np.ndarray:
 def earlier(time: np.ndarray, values: np.ndarray, delay: float) -> np.ndarray:
     """Return what a reading that is late (s) was made of."""
     return np.interp(time + delay, time, values) if delay else values
+
+
+def best_delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray,
+               floor: float = 0.0) -> float:
+    """Return by how much (s) a reading is later than its model, as the least error has it."""
+    slope, delay = np.gradient(model, time), 0.0
+
+    def off(late: float) -> np.ndarray:
+        return np.interp(time - late, time, model) - measured
+
+    if np.isfinite(slope + measured).any() and np.nanvar(off(0.0)) > floor**2:
+        # The slope tells a short delay only.
+        delay = min(np.linspace(-LONGEST_DELAY, LONGEST_DELAY, _TRIALS),
+                    key=lambda late: float(np.nanvar(off(late))))
+    for _ in range(_STEPS):
+        rate, error = np.interp(time - delay, time, slope), off(delay)
+        valid = np.isfinite(rate + error)
+        if not valid.any() or not np.ptp(rate[valid]):
+            return 0.0
+        rate, error = rate[valid] - rate[valid].mean(), error[valid]
+        delay = float(delay + rate @ (error - error.mean()) / (rate @ rate))
+    return delay
 
 
 def _seen_step(values: np.ndarray) -> float:

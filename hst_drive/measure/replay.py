@@ -11,6 +11,7 @@ does not reach the sensor noise; ``replay_floor`` is what it would reach.
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 import operator
 from typing import Mapping
 
@@ -20,7 +21,7 @@ from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.commands import controller_steps
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
-from hst_drive.measure.readings import bridged, filled, later, Readings
+from hst_drive.measure.readings import bridged, earlier, filled, later, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
 from hst_drive.measure.speed import measured_speed
@@ -230,6 +231,14 @@ class Replay(RecordedLoad):
         alone.simulated = False
         alone.signals = (self.torque,) if self.can_correct else ()
         return alone
+
+    def read_earlier(self, signal: str, delay: float) -> None:
+        """Move the readings of a signal to an earlier time, s."""
+        run, self._predicted = self.run, None
+        self.run = replace(run, channels={
+            **run.channels, signal: earlier(run.time, run[signal], delay)})
+        if signal == self.torque:
+            self._measured = earlier(run.time, self._measured, delay)
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""

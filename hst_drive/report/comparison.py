@@ -31,7 +31,8 @@ def remarks(rig: Rig, runs: Sequence[Run]) -> list[str]:
         lines += _by_part(rig, entry)
         if slow := too_slow(rig, entry):
             lines.append(f'{entry.name}: {slow}')
-        lines += [f'{entry.name}: {line}; mend the unit, or leave the column out'
+        lines += [f'{entry.name}: {line}; mend the unit or the sign (scale: -1 in --channels), '
+                  'or leave the column out'
                   for line in unit_doubts(rig, entry)]
     return lines + [drift.told for drift in drifts(rig, runs)]
 

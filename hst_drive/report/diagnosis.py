@@ -36,7 +36,8 @@ def text(result: Diagnosis, short: bool = False) -> str:
     moved = [entry for entry in result.calibration if abs(entry.sigmas) >= 0.5]
     if moved:
         against = 'what it was when commissioned' if result.since else 'its datasheet'
-        lines += ['', f'this unit against {against} (what moved by half a tolerance or more):',
+        oil = ', from what the oil of these logs lets expect' if result.since else ''
+        lines += ['', f'this unit against {against} (half a tolerance or more{oil}):',
                   _calibration(moved)]
     for title, head, found in (
             ('zeros of sensors (off', 'reads beyond', result.zeros),

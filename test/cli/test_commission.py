@@ -48,6 +48,8 @@ def test_the_unit_file_is_a_rig_file(files, tmp_path, capsys):
         assert read.scatter[entry['quantity']] == pytest.approx(entry['sigma'], rel=1e-3)
         assert read.calibration[entry['quantity']] == pytest.approx(entry['factor'])
     assert 'exists already' in refused(capsys, files / 'old.csv', '-o', unit)
+    assert "commissioned already; give the make's" in refused(
+        capsys, files / 'other.csv', '--rig', unit, '-o', tmp_path / 'again.yaml')
 
 
 def test_broken_machines_and_bad_shares_are_refused(files, tmp_path, capsys):

@@ -97,6 +97,10 @@ def test_what_changed_since_older_logs_needs_a_file_of_the_machine(written, tmp_
     since.write_text(json.dumps(content))
     said = refused(capsys, since, '-o', tmp_path / 'rig.yaml')
     assert str(since) in said and 'hst-drive commission OLD... -o unit.yaml' in said
+    # Or the machine has a file: that must be given.
+    since.write_text(json.dumps(content | {'rig': 'unit.yaml'}))
+    said = refused(capsys, since, '-o', tmp_path / 'rig.yaml')
+    assert '(unit.yaml): give that file with --rig' in said
 
 
 @pytest.mark.parametrize('change', [

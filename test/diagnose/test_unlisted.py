@@ -10,6 +10,7 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import Search
+import numpy as np
 import pytest
 
 from ..truth import make_campaign
@@ -168,6 +169,22 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
     assert (found.enters, found.signal) == ('sensor', signal)
     size = float(re.search(r'a lag of ([0-9]+) ms', found.expression)[1])
     assert size == pytest.approx(1e3 * lag, rel=0.15)
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('signal, late', [('pump_outlet_pressure', 0.06), ('load_torque', 0.03),
+                                          ('motor_inlet_flow', -0.03)])
+def test_sensor_whose_clock_is_off_is_told_with_how_late_it_reads(signal, late):
+    rig, runs, held = as_runs(make_campaign(43))
+    for run in (*runs, *held):
+        run[signal][:] = np.interp(run.time - late, run.time, run[signal])
+    search = Search(Campaign(rig, runs, held), ())
+    left = search.unexplained(search.baseline)
+    found = unlisted_addition(search, search.baseline, left)[1].unknown
+    assert (found.enters, found.signal) == ('sensor', signal)
+    told, size = re.search(r'a (lag|lead) of ([0-9]+) ms', found.expression).groups()
+    assert (told == 'lead') == (late < 0)
+    assert float(size) == pytest.approx(1e3 * abs(late), rel=0.15)
 
 
 @pytest.mark.needs_numba

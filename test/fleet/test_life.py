@@ -4,6 +4,8 @@
 import json
 
 from hst_drive import cli
+from hst_drive.fleet.life import written
+from hst_drive.fleet.store import Store
 from hst_drive.rig import load_rig
 from hst_drive.units import from_si
 import numpy as np
@@ -16,6 +18,14 @@ UNITS = {'pump_outlet_pressure': 'bar', 'pump_speed': 'rpm', 'motor_inlet_flow':
          'oil_temperature': 'degC'}
 MONTHS = (1, 3, 5, 7, 9, 11)
 LEAKS = (0.0, 0.0, 0.1, 0.2, 0.3, 0.4)
+
+
+@pytest.mark.parametrize('one, other', [('rig ö', 'rig ü'), ('a/b', 'a b')])
+def test_each_machine_has_a_file_of_its_own(tmp_path, one, other):
+    store = Store(tmp_path / 'kept')
+    assert written(store, one, {'name': one}) != written(store, other, {'name': other})
+    assert {yaml.safe_load(path.read_text())['name']
+            for path in (tmp_path / 'kept' / 'units').iterdir()} == {one, other}
 
 
 def put(folder, made):

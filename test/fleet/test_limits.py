@@ -27,7 +27,9 @@ def test_units_and_short_forms():
     ('motor_leakage=0.02 bar', "as '0.0078 L/min/bar'"),
     ('motor_leakage=3', "more than is plausible .* check its unit, .* '0.0078 L/min/bar'"),
     ('motor_leakage=-0.02 L/min/bar', 'below what it is without'),
-    ('motor_leakage=0', 'not there at all')])
+    ('motor_leakage=0', 'not there at all'),
+    ('line.bulk_modulus=-20', "no oil's stiffness changes so much; expected a share, as '-20 %'"),
+    ('line.bulk_modulus=-3000 bar', "as '-20 %'")])
 def test_slips_are_one_line(text, told):
     with pytest.raises(InputError, match=told.replace('?', '[?]')) as caught:
         read_limit(text)

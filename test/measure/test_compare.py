@@ -136,6 +136,18 @@ def test_several_logs_are_pooled_by_their_samples():
 
 
 @pytest.mark.needs_numba
+@pytest.mark.parametrize('signal, late', [
+    ('pump_outlet_pressure', 0.01), ('pump_outlet_pressure', 0.06), ('load_torque', 0.04),
+    ('pump_outlet_pressure', 0.12), ('motor_inlet_flow', -0.03), ('motor_inlet_flow', 0.06)])
+def test_by_how_much_one_sensor_is_late_is_told(signal, late):
+    run = record(5, duration=30.0, roughness=0.3)
+    moved = {**run.channels, signal: np.interp(run.time - late, run.time, run[signal])}
+    delays = compare(Drive(RIG), [Run('late', run.time, moved, 'late.csv')]).logs[0].delays
+    assert delays.pop(signal) == pytest.approx(late, abs=0.002)
+    assert all(abs(other) < 0.005 for other in delays.values())
+
+
+@pytest.mark.needs_numba
 @pytest.mark.parametrize('late', [0, 3])
 def test_commands_stamped_by_another_clock_are_moved(late):
     run = record(5, duration=20.0, roughness=0.3)
