@@ -123,7 +123,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
             *mend, odd, said, '' if or_none else nearly(given, verdict, named), several,
-            '' if or_none else limits(verdict, strained),
+            '' if or_none else limits(verdict, strained, campaign.commissioned_unit),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),

@@ -162,14 +162,20 @@ def beyond(unseen: Sequence[Outside], untold: bool, power: float | None) -> str:
     return ' '.join(said)
 
 
-def limits(verdict: str, quantities: Sequence[str]) -> str:
-    """Tell which of the unit's quantities sit at their limits; '' if none does."""
+def limits(verdict: str, quantities: Sequence[str], commissioned: bool = False) -> str:
+    """
+    Tell which of the unit's quantities sit at their limits; '' if none does.
+
+    ``commissioned``: these limits are a machine's own.
+    """
     if not quantities:
         return ''
     if len(quantities) == 1:
         sit, like = f'{quantities[0]} sits at the limit of its tolerance', 'it'
     else:
         sit, like = f'{listed(quantities)} sit at the limits of their tolerances', 'them'
+    if commissioned and 'motor.displacement' in quantities:
+        sit += ', which no wear changes (are these logs of the machine that was commissioned?)'
     if verdict == 'unknown':
         return f'Of this unit, {sit}.'
     if verdict != 'none':

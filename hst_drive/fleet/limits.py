@@ -67,6 +67,7 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
 
 
 def _number(key: str, text: str, expected: str, source: str, example: str) -> float:
+    text = text.replace('[', ' ').replace(']', '')      # as --effect has it
     number, _, unit = text.partition(' ')
     if text.endswith('%'):
         number, unit = text[:-1], '%'

@@ -21,6 +21,12 @@ def test_limits_are_told_in_one_sentence(verdict, quantities, told):
     assert limits(verdict, quantities) == told
 
 
+def test_a_displacement_that_has_changed_may_be_another_machines():
+    said = limits('missing_effect', ['motor.displacement'], commissioned=True)
+    assert 'are these logs of the machine that was commissioned?' in said
+    assert 'of the machine' not in limits('missing_effect', ['motor.displacement'])
+
+
 def test_a_fall_near_the_noise_is_not_rounded_away():
     assert (times(1.04), times(1.0), times(15.82)) == ('1.04', '1.00', '15.8')
 

@@ -10,7 +10,7 @@ def test_units_and_short_forms():
     """1 L/min/bar is 1e-3/60/1e5 m^3/(s.Pa)."""
     key = ('motor_leakage', 'conductance')
     for text in ('motor_leakage=0.02 L/min/bar', 'motor_leakage.conductance = 0.02 L/min/bar',
-                 'motor_leakage=3.3333333333e-12'):
+                 'motor_leakage=3.3333333333e-12', 'motor_leakage=0.02[L/min/bar]'):
         assert read_limit(text) == (key, pytest.approx(0.02e-3 / 60 / 1e5))
     assert read_limit('line.bulk_modulus=-20 %') == (('line.bulk_modulus', 'change'), -0.2)
     assert read_limits({'bearing_friction': '12 N.m', 'flow_sensor_scale': 0.03}, 'f') == {
