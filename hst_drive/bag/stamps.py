@@ -98,9 +98,9 @@ def check_time(time: np.ndarray, rows: Sequence[int], path: str) -> None:
     if len(bad):
         raise InputError(f'{path}: row {rows[bad[0]]}: the time is missing or not finite; '
                          'leave the row out')
-    back = np.flatnonzero(np.diff(time) <= 0)
-    if len(back):
-        at = back[0]
+    wrong = np.flatnonzero(np.diff(time) <= 0)
+    if len(wrong):
+        at = wrong[0]
         back = time[at + 1] < time[at]
         what = 'runs back' if back else 'stands still'
         raise InputError(f'{path}: row {rows[at + 1]}: the time {what} ({time[at]:.9g} s, then '

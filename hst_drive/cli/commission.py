@@ -17,7 +17,6 @@ from hst_drive.cli.common import (
 from hst_drive.cli.diagnose import progress_line, tell_notes
 from hst_drive.cli.output import (
     add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
-from hst_drive.errors import InputError
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.commission import Commissioned
@@ -39,16 +38,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Commission, write and print."""
     from hst_drive.diagnose.commission import commission
-    from hst_drive.rig.fingerprint import SECTION
     from hst_drive.rig.yaml_file import read_yaml
 
     day_to_day = day_to_day_of(args)
     refuse_to_replace(args.output, args.force)
     source = rig_file_of(args)
     rig = read_yaml(source)
-    if SECTION in rig:
-        raise InputError(f'{source}: is the file of a machine that was commissioned already; give '
-                         "the make's, from which that was made, with --rig")
     runs = read_logs(args.logs, args.channels)
     tell_notes(runs, args.rig)
     found = commission(rig, source, runs, day_to_day, progress=progress_line())

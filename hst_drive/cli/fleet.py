@@ -96,17 +96,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _limits(args: argparse.Namespace) -> Limits:
-    from hst_drive.fleet.limits import read_limit, read_limits
+    from hst_drive.fleet.limits import once, read_limit, read_limits
     from hst_drive.rig.yaml_file import read_yaml
 
     limits = read_limits(read_yaml(args.limits), args.limits) if args.limits else {}
-    given: Limits = {}
-    for text in args.limit:
-        key, limit = read_limit(text)
-        if key in given:
-            raise InputError(f"--limit '{text}': '{key[0]}' has a limit already; give one")
-        given[key] = limit
-    return {**limits, **given}
+    return {**limits, **once((text, read_limit(text)) for text in args.limit)}
 
 
 def _progress(began: float):

@@ -76,10 +76,10 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
                              'again with --rig and this file to see what else is missing, or has '
                              'changed')
         if diagnosis.get('since') and SECTION not in rig:
-            raise InputError(f"{source}: was made with a machine's own file or with --since "
-                             f"({diagnosis.get('rig')}): give that file with --rig; without one "
-                             "write it ('hst-drive commission OLD... -o unit.yaml'), diagnose "
-                             'with --rig unit.yaml and adopt that')
+            raise InputError(f"{source}: was made with a machine's own file, or with --since, "
+                             f"on {diagnosis.get('rig')}: give the machine's file with --rig; "
+                             "without one write it ('hst-drive commission OLD... -o unit.yaml'), "
+                             'diagnose with --rig unit.yaml and adopt that')
         if diagnosis.get('rig') == rig_source:
             raise InputError(f'{rig_source}: has changed since it was diagnosed; diagnose again')
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '

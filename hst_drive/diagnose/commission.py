@@ -125,6 +125,9 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         If something is missing in the model of these logs, or they tell nothing.
 
     """
+    if SECTION in rig:
+        raise InputError(f'{source}: is the file of a machine that was commissioned already; give '
+                         "the make's, from which that was made")
     made, within = _of_make(rig, source)
     law: OilLaw | None = None
     curve: dict[str, float] = {}

@@ -3,7 +3,7 @@
 """From fitted candidates to an answer: none, found, ambiguous or unknown."""
 from __future__ import annotations
 
-from math import exp
+from math import exp, log
 from typing import Callable, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
@@ -25,7 +25,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
-from hst_drive.identify.evidence import decided
+from hst_drive.identify.evidence import DECIDED, decided
 from hst_drive.identify.fit import Fit, fit, for_sizes
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
@@ -273,8 +273,14 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
         told[entry.names[0]] = (
             f'leaves {CHANNELS[worst].title} at {leaves} times the noise, {named} at {well}'
             if ratios[worst] > left[worst] and leaves != well else
-            f'leaves as little, but is {exp(min(-odds, 20.0)):.2g} times less probable')
+            f'leaves as little, and is {_less(odds)} probable')
     return told
+
+
+def _less(odds: float) -> str:
+    """Return how much less probable something is of which these are the log odds."""
+    return 'as' if odds > -log(DECIDED) else (
+        f'{exp(-odds):.0f} times less' if odds > -log(1e6) else 'more than a million times less')
 
 
 def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:

@@ -175,7 +175,8 @@ def limits(verdict: str, quantities: Sequence[str], commissioned: bool = False) 
     else:
         sit, like = f'{listed(quantities)} sit at the limits of their tolerances', 'them'
     if commissioned and 'motor.displacement' in quantities:
-        sit += ', which no wear changes (are these logs of the machine that was commissioned?)'
+        sit += (' (no wear changes motor.displacement: are these logs of the machine that was '
+                'commissioned?)')
     if verdict == 'unknown':
         return f'Of this unit, {sit}.'
     if verdict != 'none':

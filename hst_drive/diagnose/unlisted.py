@@ -27,7 +27,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
 from hst_drive.identify.timing import (
     DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
-from hst_drive.measure.readings import best_delay
+from hst_drive.measure.readings import best_delay, LONGEST_DELAY
 from hst_drive.measure.where import WARMS
 from hst_drive.rig.schema import ONE_SIDED
 import numpy as np
@@ -210,8 +210,7 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
 
         number = minimize_scalar(
             cost, bounds=timing.bounds, method='bounded', options={'xatol': timing.resolved}
-        ).x if timing.bounds else number + _late(
-            with_timing(campaign, timing, number), fitted.model, timing.signal)
+        ).x if timing.bounds else _late(campaign, timing, number, fitted.model)
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
                      known=search.base.columns, kept=kept)
     what = timing.told(number)
@@ -219,9 +218,14 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
                                        (timing.depends_on,), timing.where + what))
 
 
-def _late(campaign: Campaign, model: Model, signal: str) -> float:
-    """Return how late (s) a signal is read, as most logs have it."""
-    drive = campaign.driver(model)
-    return float(np.median([best_delay(
-        replay.run.time, replay.predict(drive)[signal], replay.run[signal])
-        for replay in campaign.replays if signal in replay.signals]))
+def _late(campaign: Campaign, timing: Timing, number: float, model: Model) -> float:
+    """Return how late (s) a signal is read, as most logs have it in the rows that are fitted."""
+    changed, found = with_timing(campaign, timing, number), []
+    drive = changed.driver(model)
+    for column in changed.columns:
+        if column.signal == timing.signal and len(column.fit):
+            replay, read = changed.replays[column.log], np.full(len(column.weight), np.nan)
+            read[column.fit] = replay.run[timing.signal][column.fit]
+            found.append(best_delay(
+                replay.run.time, replay.predict(drive)[timing.signal], read))
+    return float(np.clip(number + np.median(found), -LONGEST_DELAY, LONGEST_DELAY))

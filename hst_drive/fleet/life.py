@@ -11,6 +11,7 @@ from __future__ import annotations
 from functools import partial
 import hashlib
 import json
+import os
 import re
 from typing import Callable, Collection, Mapping, NamedTuple, Sequence
 
@@ -143,7 +144,7 @@ def written(store: Store, name: str, unit: dict) -> str:
     plain = re.sub(r'[^A-Za-z0-9._-]', '_', name)
     if plain != name:
         # Two machines may read alike without what no file system bears.
-        plain += '-' + hashlib.sha256(name.encode()).hexdigest()[:8]
+        plain += '-' + hashlib.sha256(os.fsencode(name)).hexdigest()[:8]
     path = folder / f'{plain}.yaml'
     write_yaml(unit, path)
     return str(path)

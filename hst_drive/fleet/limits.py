@@ -3,7 +3,7 @@
 """How large an effect may get: limits that a user gives; there are none else."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 import math
 
@@ -33,16 +33,27 @@ def read_limit(text: str, source: str = '--limit') -> tuple[tuple[str, str], flo
 
 def read_limits(content: Mapping, source: str) -> Limits:
     """Read the mapping of a file with limits, 'motor_leakage: 0.02 L/min/bar'."""
-    return dict(read_entry(str(key), str(value), source) for key, value in content.items())
+    return once((str(key), read_entry(str(key), str(value), source))
+                for key, value in content.items())
+
+
+def once(entries: Iterable[tuple[str, tuple[tuple[str, str], float]]]) -> Limits:
+    """Return limits as one mapping; raise InputError, with its text, if one comes twice."""
+    limits: Limits = {}
+    for text, (key, limit) in entries:
+        if key in limits:
+            raise InputError(f"limit '{text}': '{'.'.join(key)}' has one already; give one")
+        limits[key] = limit
+    return limits
 
 
 def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], float]:
     """Read one limit: its key and its size."""
     if key in (OIL, f'{OIL}.{CHANGE}'):
         limit = _number(key, value, '1', source, '-20 %')
-        if abs(limit) >= 1.0:
-            raise InputError(f"{source}: '{key}' is {value}: no oil's stiffness changes so much; "
-                             "expected a share, as '-20 %'")
+        if not 0.0 < abs(limit) < 1.0:
+            raise InputError(f"{source}: '{key}' is {value}: no change of the oil's stiffness, or "
+                             "more than any oil's; expected a share, as '-20 %'")
         return (OIL, CHANGE), limit
     name, _, parameter = key.partition('.')
     known = catalogue(everything=True)

@@ -244,7 +244,7 @@ class Search:
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
         # Short events may ask for one more effect though the whole is near the noise.
-        least = 0.0 if self.unexplained(best) else 0.05 * PRACTICAL
+        least = 0.0 if self.unexplained(best) else 0.2 * PRACTICAL
         if least:
             # What evidence does not rule out may lead to what is likelier than all.
             beam = [beam[0], *(entry for entry, value in zip(beam[1:], self.odds(

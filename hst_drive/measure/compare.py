@@ -193,13 +193,13 @@ def _delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray, floor: flo
     if not delay:
         return 0.0
     slope = np.gradient(model, time)
-    before, after = (float(np.nanvar(np.interp(time - late, time, model) - measured)) - floor**2
-                     for late in (0.0, delay))
-    deviation = math.sqrt((max(after, 0.0) + floor**2) / np.isfinite(slope + measured).sum()
-                          ) / float(np.nanstd(slope))
+    valid = np.isfinite(slope + measured)
+    before, after = (max(float(np.nanvar(np.interp(time - late, time, model) - measured)),
+                         floor**2) for late in (0.0, delay))
+    deviation = math.sqrt(after / valid.sum()) / float(slope[valid].std())
     # Residuals are correlated over some ten samples: ask for a clear sign. What a delay does not
     # mend is another error.
-    mends = before <= 0.0 or after <= _MENDED * before
+    mends = after - floor**2 <= _MENDED * (before - floor**2)
     return delay if mends and 10 * deviation < abs(delay) < LONGEST_DELAY else 0.0
 
 
@@ -216,7 +216,7 @@ def _aligned(run: Run, drive: Drive | PartModel, count: Judged) -> _Aligned:
     """
     Return the replay of a log with its commands moved to the stamps of the readings.
 
-    The stamps of the readings stay. The slope tells a long delay too short: look again.
+    The stamps of the readings stay. What moves with the commands moves the errors: look again.
     """
     first = last = _replayed(run, drive, count, 0.0)
     if isinstance(drive, PartModel):

@@ -119,21 +119,27 @@ def best_delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray,
                floor: float = 0.0) -> float:
     """Return by how much (s) a reading is later than its model, as the least error has it."""
     slope, delay = np.gradient(model, time), 0.0
+    rows = np.flatnonzero(np.isfinite(slope + measured))
 
-    def off(late: float) -> np.ndarray:
-        return np.interp(time - late, time, model) - measured
+    def error(late: float) -> np.ndarray:
+        return np.interp(time[rows] - late, time, model) - measured[rows]
 
-    if np.isfinite(slope + measured).any() and np.nanvar(off(0.0)) > floor**2:
+    def left(late: float) -> float:
+        known = error(late)
+        known = known[np.isfinite(known)]
+        return float(known.var()) if 2 * len(known) > len(rows) else np.inf
+
+    if len(rows) and left(0.0) > floor**2:
         # The slope tells a short delay only.
-        delay = min(np.linspace(-LONGEST_DELAY, LONGEST_DELAY, _TRIALS),
-                    key=lambda late: float(np.nanvar(off(late))))
+        delay = float(min(np.linspace(-LONGEST_DELAY, LONGEST_DELAY, _TRIALS), key=left))
     for _ in range(_STEPS):
-        rate, error = np.interp(time - delay, time, slope), off(delay)
-        valid = np.isfinite(rate + error)
+        rate, rest = np.interp(time[rows] - delay, time, slope), error(delay)
+        valid = np.isfinite(rate + rest)
         if not valid.any() or not np.ptp(rate[valid]):
             return 0.0
-        rate, error = rate[valid] - rate[valid].mean(), error[valid]
-        delay = float(delay + rate @ (error - error.mean()) / (rate @ rate))
+        rate, rest = rate[valid] - rate[valid].mean(), rest[valid]
+        delay = float(np.clip(delay + rate @ (rest - rest.mean()) / (rate @ rate),
+                              -LONGEST_DELAY, LONGEST_DELAY))
     return delay
 
 

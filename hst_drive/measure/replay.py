@@ -234,11 +234,14 @@ class Replay(RecordedLoad):
 
     def read_earlier(self, signal: str, delay: float) -> None:
         """Move the readings of a signal to an earlier time, s."""
-        run, self._predicted = self.run, None
+        run = self.run
+        moved = earlier(run.time, filled(run[signal]), delay)
         self.run = replace(run, channels={
-            **run.channels, signal: earlier(run.time, run[signal], delay)})
+            **run.channels, signal: np.where(np.isfinite(run[signal]), moved, np.nan)})
+        self.readings = copy.copy(self.readings)
+        self.readings.run = self.run
         if signal == self.torque:
-            self._measured = earlier(run.time, self._measured, delay)
+            self._measured = moved
 
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""

@@ -4,6 +4,8 @@
 import json
 import re
 
+from hst_drive.diagnose.commission import commission
+from hst_drive.errors import InputError
 from hst_drive.rig import load_rig
 from hst_drive.units import from_si
 import numpy as np
@@ -48,8 +50,8 @@ def test_the_unit_file_is_a_rig_file(files, tmp_path, capsys):
         assert read.scatter[entry['quantity']] == pytest.approx(entry['sigma'], rel=1e-3)
         assert read.calibration[entry['quantity']] == pytest.approx(entry['factor'])
     assert 'exists already' in refused(capsys, files / 'old.csv', '-o', unit)
-    assert "commissioned already; give the make's" in refused(
-        capsys, files / 'other.csv', '--rig', unit, '-o', tmp_path / 'again.yaml')
+    with pytest.raises(InputError, match="commissioned already; give the make's"):
+        commission(yaml.safe_load(unit.read_text()), str(unit), [])
 
 
 def test_broken_machines_and_bad_shares_are_refused(files, tmp_path, capsys):

@@ -230,6 +230,8 @@ def test_a_rig_without_a_controller_is_refused():
     """There is nothing to play a test with."""
     with pytest.raises(InputError, match='controller'):
         limits(replace(RIG, controller=None))
+    with pytest.raises(InputError, match='describes a part of a drive'):
+        limits(replace(RIG, pump=None))
 
 
 @pytest.mark.needs_numba

@@ -100,7 +100,7 @@ def test_what_changed_since_older_logs_needs_a_file_of_the_machine(written, tmp_
     # Or the machine has a file: that must be given.
     since.write_text(json.dumps(content | {'rig': 'unit.yaml'}))
     said = refused(capsys, since, '-o', tmp_path / 'rig.yaml')
-    assert '(unit.yaml): give that file with --rig' in said
+    assert "on unit.yaml: give the machine's file with --rig" in said
 
 
 @pytest.mark.parametrize('change', [

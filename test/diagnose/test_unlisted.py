@@ -178,6 +178,7 @@ def test_sensor_whose_clock_is_off_is_told_with_how_late_it_reads(signal, late):
     rig, runs, held = as_runs(make_campaign(43))
     for run in (*runs, *held):
         run[signal][:] = np.interp(run.time - late, run.time, run[signal])
+        run[signal][500:520] = np.nan
     search = Search(Campaign(rig, runs, held), ())
     left = search.unexplained(search.baseline)
     found = unlisted_addition(search, search.baseline, left)[1].unknown

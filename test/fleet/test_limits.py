@@ -17,6 +17,11 @@ def test_units_and_short_forms():
         ('bearing_friction', 'coulomb'): 12.0, ('flow_sensor_scale', 'gain_error'): 0.03}
 
 
+def test_a_limit_that_comes_twice_is_refused():
+    with pytest.raises(InputError, match="'motor_leakage.conductance' has one already; give one"):
+        read_limits({'motor_leakage': 1e-12, 'motor_leakage.conductance': 2e-12}, 'f')
+
+
 @pytest.mark.parametrize(('text', 'told'), [
     ('motor_leakage', 'expected EFFECT=SIZE'),
     ('motor_leak=1', "unknown effect 'motor_leak'; did you mean 'motor_leakage'?"),
@@ -28,7 +33,7 @@ def test_units_and_short_forms():
     ('motor_leakage=3', "more than is plausible .* check its unit, .* '0.0078 L/min/bar'"),
     ('motor_leakage=-0.02 L/min/bar', 'below what it is without'),
     ('motor_leakage=0', 'not there at all'),
-    ('line.bulk_modulus=-20', "no oil's stiffness changes so much; expected a share, as '-20 %'"),
+    ('line.bulk_modulus=-20', "more than any oil's; expected a share, as '-20 %'"),
     ('line.bulk_modulus=-3000 bar', "as '-20 %'")])
 def test_slips_are_one_line(text, told):
     with pytest.raises(InputError, match=told.replace('?', '[?]')) as caught:

@@ -139,6 +139,14 @@ def test_who_lacks_what(summary, machines):
     assert summary.failures == [('sound/2025-11-11', 'no <rows>')]
 
 
+def test_a_campaign_without_a_date_is_named(lives):
+    assert 'without a date' not in sentence(summarise(lives))
+    undated = [*lives.rows[:-1], {**lives.rows[-1], 'date': None}]
+    said = sentence(summarise(lives._replace(rows=undated)))
+    assert '1 campaign in no trend, without a date (YYYY-MM-DD) in the name' in said
+    assert f'of a log: {undated[-1]["campaign"]}.' in said
+
+
 def test_what_is_written_is_json(lives, summary):
     """Days that are too far away are none, and nothing is infinite."""
     found = json.loads(json.dumps(plain(as_json(lives, summary)), allow_nan=False))
