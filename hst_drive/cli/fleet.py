@@ -100,7 +100,7 @@ def _limits(args: argparse.Namespace) -> Limits:
     from hst_drive.rig.yaml_file import read_yaml
 
     limits = read_limits(read_yaml(args.limits), args.limits) if args.limits else {}
-    return {**limits, **once((text, read_limit(text)) for text in args.limit)}
+    return {**limits, **once((f"--limit '{text}'", read_limit(text)) for text in args.limit)}
 
 
 def _progress(began: float):

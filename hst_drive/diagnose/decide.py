@@ -3,7 +3,6 @@
 """From fitted candidates to an answer: none, found, ambiguous or unknown."""
 from __future__ import annotations
 
-from math import exp, log
 from typing import Callable, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
@@ -16,7 +15,8 @@ from hst_drive.diagnose.choose import (
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
-from hst_drive.diagnose.sentence import beyond, limits, listed, nearly, sentence, times
+from hst_drive.diagnose.sentence import (
+    beyond, less, limits, listed, nearly, sentence, times)
 from hst_drive.diagnose.unit import at_limits, calibration, sensors
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
@@ -25,7 +25,7 @@ from hst_drive.errors import InputError
 from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
-from hst_drive.identify.evidence import DECIDED, decided
+from hst_drive.identify.evidence import decided
 from hst_drive.identify.fit import Fit, fit, for_sizes
 from hst_drive.identify.intervals import intervals
 from hst_drive.identify.judge import excess, over_own_floors
@@ -264,7 +264,7 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
     told = {}
     nearest = [search.single(entry.id) for entry in ranking[:6]
                if entry.id not in best.names and entry.id not in standing]
-    for entry, odds in zip(nearest, log_odds(search, [best, *nearest])[1:]):
+    for entry, value in zip(nearest, log_odds(search, [best, *nearest])[1:]):
         ratios = search.campaign.ratios(entry.fit.errors, True)
         if not ratios:      # too little is held out
             continue
@@ -273,14 +273,8 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
         told[entry.names[0]] = (
             f'leaves {CHANNELS[worst].title} at {leaves} times the noise, {named} at {well}'
             if ratios[worst] > left[worst] and leaves != well else
-            f'leaves as little, and is {_less(odds)} probable')
+            f'leaves as little, and is {less(value)} probable')
     return told
-
-
-def _less(odds: float) -> str:
-    """Return how much less probable something is of which these are the log odds."""
-    return 'as' if odds > -log(DECIDED) else (
-        f'{exp(-odds):.0f} times less' if odds > -log(1e6) else 'more than a million times less')
 
 
 def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:

@@ -3,6 +3,7 @@
 """The sentence that a diagnosis begins with, and how its numbers are told."""
 from __future__ import annotations
 
+from math import exp, log
 from typing import Collection, Mapping, Sequence
 
 from hst_drive.channels import CHANNELS
@@ -187,6 +188,12 @@ def limits(verdict: str, quantities: Sequence[str], commissioned: bool = False) 
 def times(ratio: float) -> str:
     """Write a noise ratio; near the noise with two digits, where a tenth would hide the fall."""
     return f'{ratio:.1f}' if ratio >= 2 else f'{ratio:.2f}'
+
+
+def less(value: float) -> str:
+    """Write how much less probable something is, of its log odds."""
+    return 'as' if value > -log(DECIDED) else (
+        f'{exp(-value):.0f} times less' if value > -log(1e6) else 'more than a million times less')
 
 
 def _stays(last: Mapping[str, float]) -> str:

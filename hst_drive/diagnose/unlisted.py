@@ -204,18 +204,22 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
         fitted = fitted._replace(model=replace(fitted.model, factors={
             key: value for key, value in fitted.model.factors.items() if key not in ONE_SIDED}))
     for _ in range(_ROUNDS):
-        def cost(trial: float, model: Model = fitted.model) -> float:
-            changed = with_timing(campaign, timing, trial)
-            return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
-
-        number = minimize_scalar(
-            cost, bounds=timing.bounds, method='bounded', options={'xatol': timing.resolved}
-        ).x if timing.bounds else _late(campaign, timing, number, fitted.model)
+        number = (_best_number if timing.bounds else _late)(campaign, timing, number, fitted.model)
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
                      known=search.base.columns, kept=kept)
     what = timing.told(number)
     return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
                                        (timing.depends_on,), timing.where + what))
+
+
+def _best_number(campaign: Campaign, timing: Timing, _: float, model: Model) -> float:
+    """Return the number of a timing with which the rows that are fitted fit best."""
+    def cost(number: float) -> float:
+        changed = with_timing(campaign, timing, number)
+        return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
+
+    return float(minimize_scalar(cost, bounds=timing.bounds, method='bounded',
+                                 options={'xatol': timing.resolved}).x)
 
 
 def _late(campaign: Campaign, timing: Timing, number: float, model: Model) -> float:

@@ -33,16 +33,16 @@ def read_limit(text: str, source: str = '--limit') -> tuple[tuple[str, str], flo
 
 def read_limits(content: Mapping, source: str) -> Limits:
     """Read the mapping of a file with limits, 'motor_leakage: 0.02 L/min/bar'."""
-    return once((str(key), read_entry(str(key), str(value), source))
+    return once((source, read_entry(str(key), str(value), source))
                 for key, value in content.items())
 
 
 def once(entries: Iterable[tuple[str, tuple[tuple[str, str], float]]]) -> Limits:
-    """Return limits as one mapping; raise InputError, with its text, if one comes twice."""
+    """Return limits, each after its source, as one mapping; raise InputError if one is twice."""
     limits: Limits = {}
-    for text, (key, limit) in entries:
+    for source, (key, limit) in entries:
         if key in limits:
-            raise InputError(f"limit '{text}': '{'.'.join(key)}' has one already; give one")
+            raise InputError(f"{source}: '{'.'.join(key)}' has one already; give one")
         limits[key] = limit
     return limits
 

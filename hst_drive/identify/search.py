@@ -243,7 +243,8 @@ class Search:
 
     def _extended(self, best: Candidate, beam: Sequence[Candidate]) -> list[Candidate]:
         """Return what leads on from ``best`` by way of a beam, the most probable first."""
-        # Short events may ask for one more effect though the whole is near the noise.
+        # Events, or much data, may ask for one more though the whole is near the noise. A machine
+        # that is off its formulas has more that takes a hundredth than the evidence knows.
         least = 0.0 if self.unexplained(best) else 0.2 * PRACTICAL
         if least:
             # What evidence does not rule out may lead to what is likelier than all.

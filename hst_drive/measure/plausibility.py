@@ -197,7 +197,6 @@ def _ratio(a: np.ndarray, b: np.ndarray) -> float:
         return np.nan
     a, b = a[good], b[good]
     large = np.abs(b) > _LOW * usual_size(b)
-    large &= b != 0.0
     return float(np.median(a[large] / b[large])) if large.sum() >= FEWEST else np.nan
 
 

@@ -120,20 +120,21 @@ def best_delay(time: np.ndarray, model: np.ndarray, measured: np.ndarray,
     """Return by how much (s) a reading is later than its model, as the least error has it."""
     slope, delay = np.gradient(model, time), 0.0
     rows = np.flatnonzero(np.isfinite(slope + measured))
+    some = rows[::len(rows) // _LOOKED_AT + 1]      # enough to choose by
 
-    def error(late: float) -> np.ndarray:
+    def error(late: float, rows: np.ndarray) -> np.ndarray:
         return np.interp(time[rows] - late, time, model) - measured[rows]
 
     def left(late: float) -> float:
-        known = error(late)
+        known = error(late, some)
         known = known[np.isfinite(known)]
-        return float(known.var()) if 2 * len(known) > len(rows) else np.inf
+        return float(known.var()) if 2 * len(known) > len(some) else np.inf
 
     if len(rows) and left(0.0) > floor**2:
         # The slope tells a short delay only.
         delay = float(min(np.linspace(-LONGEST_DELAY, LONGEST_DELAY, _TRIALS), key=left))
     for _ in range(_STEPS):
-        rate, rest = np.interp(time[rows] - delay, time, slope), error(delay)
+        rate, rest = np.interp(time[rows] - delay, time, slope), error(delay, rows)
         valid = np.isfinite(rate + rest)
         if not valid.any() or not np.ptp(rate[valid]):
             return 0.0

@@ -234,10 +234,10 @@ class Replay(RecordedLoad):
 
     def read_earlier(self, signal: str, delay: float) -> None:
         """Move the readings of a signal to an earlier time, s."""
-        run = self.run
-        moved = earlier(run.time, filled(run[signal]), delay)
-        self.run = replace(run, channels={
-            **run.channels, signal: np.where(np.isfinite(run[signal]), moved, np.nan)})
+        read = self.run[signal]
+        moved = earlier(self.run.time, filled(read), delay)
+        self.run = replace(self.run, channels={
+            **self.run.channels, signal: np.where(np.isfinite(read), moved, np.nan)})
         self.readings = copy.copy(self.readings)
         self.readings.run = self.run
         if signal == self.torque:

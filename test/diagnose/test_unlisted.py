@@ -151,17 +151,25 @@ def test_lag_of_one_way_is_told_where_the_units_own_lag_hides_it(hidden, told):
     assert (found is not None and "on the plate's way" in found.told) is told
 
 
+def with_sensor(change):
+    """Return the search of a healthy campaign whose readings were changed, and what is left."""
+    rig, runs, held = as_runs(make_campaign(43))
+    for run in (*runs, *held):
+        change(run)
+    search = Search(Campaign(rig, runs, held), ())
+    return search, search.unexplained(search.baseline)
+
+
 @pytest.mark.needs_numba
 @pytest.mark.parametrize('signal, lag', [('pump_outlet_pressure', 0.06),
                                          ('motor_inlet_flow', 0.15), ('load_torque', 0.12)])
 def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
-    rig, runs, held = as_runs(make_campaign(43))
-    for run in (*runs, *held):
+    def change(run):
         slow = run[signal]
         for k in range(1, len(slow)):
             slow[k] = slow[k - 1] + run.sample_time / lag * (slow[k] - slow[k - 1])
-    search = Search(Campaign(rig, runs, held), ())
-    left = search.unexplained(search.baseline)
+
+    search, left = with_sensor(change)
     if signal == 'load_torque':
         # It goes into the replay: what it spoils there may be all that is left.
         left.pop(signal, None)
@@ -175,12 +183,11 @@ def test_sensor_that_reads_late_is_told_with_its_lag(signal, lag):
 @pytest.mark.parametrize('signal, late', [('pump_outlet_pressure', 0.06), ('load_torque', 0.03),
                                           ('motor_inlet_flow', -0.03)])
 def test_sensor_whose_clock_is_off_is_told_with_how_late_it_reads(signal, late):
-    rig, runs, held = as_runs(make_campaign(43))
-    for run in (*runs, *held):
+    def change(run):
         run[signal][:] = np.interp(run.time - late, run.time, run[signal])
         run[signal][500:520] = np.nan
-    search = Search(Campaign(rig, runs, held), ())
-    left = search.unexplained(search.baseline)
+
+    search, left = with_sensor(change)
     found = unlisted_addition(search, search.baseline, left)[1].unknown
     assert (found.enters, found.signal) == ('sensor', signal)
     told, size = re.search(r'a (lag|lead) of ([0-9]+) ms', found.expression).groups()
