@@ -62,8 +62,7 @@ def one_cause(search: Search, best: Candidate, left: Container[str]) -> Unlisted
     ``left`` are the signals that the set leaves unexplained.
     """
     strained = limited(search.campaign, best.fit)
-    if search.campaign.by_balance or not left and len(
-            best.names) < 2 and not strained:
+    if not left and len(best.names) < 2 and not strained:
         return None
     # Beside a unit at its limits that explains all, only what would take it off one.
     causes = [*_misread(search, best), *_mistaken(search)] if best.names or left else [

@@ -32,7 +32,7 @@ from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.adopted import with_delays
 from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
-from hst_drive.rig.schema import WAVES
+from hst_drive.rig.schema import BENDS, DOUBTED, WAVES
 from hst_drive.units import from_si
 import numpy as np
 
@@ -56,7 +56,8 @@ _TESTS = {
                     'steps of the pump command, at 100 Hz or more'),
     'pump.leakage': 'low and high pressure at one pump command, with the flow measured',
     'motor.leakage': 'low and high pressure at one speed, with the flow measured',
-    'motor.mechanical_efficiency': 'low and high load, with the torque measured',
+    **dict.fromkeys(('motor.mechanical_efficiency', *BENDS),
+                    'low and high load, with the torque measured'),
     'loading.pump_mechanical_efficiency': 'low and high load, with the torque measured',
     'loading.pprv_pressure': 'several PPRV commands, with the torque measured',
     'loading.pprv_lag': 'steps of the PPRV command, with the torque measured',
@@ -82,13 +83,6 @@ class Quantity(NamedTuple):
     sigma: float
     make: float
     test: str
-
-
-class OilLaw(NamedTuple):
-    """The power of the viscosity that a machine's leakages follow, and one sigma of it."""
-
-    power: float
-    sigma: float
 
 
 class Commissioned(NamedTuple):
@@ -129,7 +123,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         raise InputError(f'{source}: is the file of a machine that was commissioned already; give '
                          "the make's, from which that was made")
     made, within = _of_make(rig, source)
-    law: OilLaw | None = None
+    law = 0.0   # one sigma of the power of the viscosity that the leakages follow, once told
     curve: dict[str, float] = {}
     for run in runs:
         # Each by itself: from one day to the next a machine differs, and that is to be learnt.
@@ -152,7 +146,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             rig = with_delays(rig, {entry.channel: entry.value for entry in found.delays})
             made, within = _of_make(rig, source)
         curve |= {entry.quantity: entry.factor for entry in found.calibration
-                  if entry.quantity in WAVES}
+                  if entry.quantity in DOUBTED}
         if found.verdict == 'none' and len(found.logs) > 1:
             break
     if not law:
@@ -196,7 +190,7 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
             zero_entry(name, made.zeros.get(name, 0.0) + fitted.model.zeros[name], sigma)
             for name, sigma in zip(campaign.zeros, sigmas[len(campaign.tolerances):]))
     if law:
-        unit[SECTION][OIL_LAW_SIGMA] = float(f'{law.sigma:.3g}')
+        unit[SECTION][OIL_LAW_SIGMA] = float(f'{law:.3g}')
     warm = reach_of('oil_temperature', runs, (50.0,))
     if warm and not _follow_viscosity(made.effects):
         # What was learnt of the leakages holds for the oil as it was then.
@@ -222,9 +216,11 @@ def _of_oil(found: Diagnosis) -> bool:
 
 
 def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
-                  sure: bool = False) -> tuple[dict, OilLaw | None]:
+                  sure: bool = False) -> tuple[dict, float]:
     """
-    Return the rig file with how its leakages go with the viscosity, if these logs tell that.
+    Return the rig file with how its leakages go with the viscosity, and one sigma of that power.
+
+    0 if these logs do not tell it.
 
     From all logs, and what is known of any gap. A leakage is off its formula by ``FORM``: so far
     it may go astray while the oil gets thinner. ``sure``: these logs ask for it.
@@ -233,19 +229,18 @@ def _with_oil_law(rig: dict, source: str, runs: Sequence[Run],
     campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     told = all('oil_temperature' in run for run in runs) and not campaign.out_of_reach(OIL_LAW)
     if OIL_LAW in made.effects and not sure or not told:
-        return rig, None
+        return rig, 0.0
     start = Model({OIL_LAW: {'exponent': POWER}})
     found = spread(campaign, fit(campaign, start, iterations=6, refresh=True), between_points=0.0)
     index = found.unknowns.names.index((OIL_LAW, 'exponent'))
     sigma = np.hypot(np.sqrt(found.covariances[index, index]),
                      FORM / max(thinning(made, runs), 1e-6))
     precision = np.array([POWER_SIGMA, sigma])**-2.0
-    law = OilLaw(float(precision @ [POWER, found.values[index]]
-                       / precision.sum()), float(precision.sum()**-0.5))
-    if not sure and law.sigma**2 > _TOLD * POWER_SIGMA**2:
-        return rig, None
+    power = float(precision @ [POWER, found.values[index]] / precision.sum())
+    if not sure and 1.0 / precision.sum() > _TOLD * POWER_SIGMA**2:
+        return rig, 0.0
     return {**rig, 'effects': {**(rig.get('effects') or {}), OIL_LAW: {
-        'exponent': float(f'{law.power:.3g}')}}}, law
+        'exponent': float(f'{power:.3g}')}}}, float(precision.sum()**-0.5)
 
 
 def _as_ratio(tolerance: float) -> float:

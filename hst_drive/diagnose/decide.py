@@ -8,16 +8,16 @@ from typing import Callable, Mapping, Sequence
 from hst_drive.channels import CHANNELS
 from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
-from hst_drive.diagnose import unknown as unknowns
 from hst_drive.diagnose.causes import one_cause
 from hst_drive.diagnose.choose import (
     doubted, exchanged, instead_of_the_unit, likeliest, oil_told, searched)
 from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
-    Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Value)
+    Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Unknown, Value)
 from hst_drive.diagnose.sentence import (
     beyond, less, limits, listed, nearly, sentence, times)
 from hst_drive.diagnose.unit import at_limits, calibration, sensors
+from hst_drive.diagnose.unknown import describe
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
 from hst_drive.effects import effect_of
 from hst_drive.effects.leakage_temperature import OIL_LAW
@@ -80,22 +80,23 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
         if other := ask(search, best, left):
             search, seen = searched(other, progress)
             best, left, better, more = _explained(search)
-    doubt = bool(more or better)
+    unsure = bool(left or more or better)
     campaign = search.campaign      # its recordings may have been turned
     remaining = next((entry.unknown for entry in (*better.values(), *([more] if more else []))
                       if entry.unknown), None)
-    if not remaining and (left or doubt):
-        remaining = unknowns.describe(campaign, best.fit)
+    if not remaining and unsure:
+        remaining = describe(campaign, best.fit)
     drifting = [entry for entry in drifting if entry.channel in left]
     if drifting:
-        remaining = unknowns.sensor_that_drifts(drifting[0].channel)
+        # The reading parts from all others with time.
+        remaining = Unknown('sensor', drifting[0].channel, ('time',), '')
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
     strained = at_limits(campaign, best.fit)
-    beside = None if left or remaining or doubt else instead_of_the_unit(search, best)
+    beside = None if unsure else instead_of_the_unit(search, best)
     or_none, best = beside is not None, beside or best
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
-    first = best if left or doubt else likeliest(search, best, rivals, or_none)
+    first = best if unsure else likeliest(search, best, rivals, or_none)
     if first is not best:
         best, order = first, _order(search, first)
         rivals = {name: alternatives(search, best, name) for name in order}
@@ -109,12 +110,12 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     explained = {*best.names, *sum(rivals.values(), ())}
     hidden = {entry.id: entry.reason for entry in seen if entry.reason
               and entry.id not in explained}
-    verdict = ('unknown' if left or remaining or doubt else 'none' if not effects
+    verdict = ('unknown' if unsure else 'none' if not effects
                else 'ambiguous' if ambiguous else 'missing_effect')
     # What is named beside a sensor that drifts may be the drift.
     mend = [f'{entry.told}; mend the sensor or leave its column out first.' for entry in drifting]
     named = {best.names, *exchanged(best, rivals)} if verdict != 'unknown' else set()
-    given = decided(weigh(search, best), verdict, named)
+    given = decided(weigh(search, best), named)
     # How its leakages go with its oil, where these logs are the first to tell.
     power = None if OIL_LAW in rig.effects else campaign.adopted.get(OIL_LAW, {}).get('exponent')
     said = sentence(verdict, effects, ladder, remaining,
@@ -122,7 +123,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            *mend, odd, said, '' if or_none else nearly(given, verdict, named), several,
+            *mend, odd, said, '' if or_none else nearly(given, named), several,
             '' if or_none else limits(verdict, strained, campaign.commissioned_unit),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
@@ -173,18 +174,19 @@ def _explained(search: Search) -> tuple[
     """
     best = standing(search, search.run())
     left = search.unexplained(best)
+    if search.campaign.by_balance:
+        # Balance by balance there are few signals, which anything freer fits better.
+        return best, left, {}, None
     more = one_cause(search, best, left)
+    better = {} if more else unlisted_replacement(search, best, left)
+    found = best
     if more:
-        best = search.baseline
-    better = unlisted_replacement(search, best)
-    if better:
-        best = standing(search, without(search, best, better))
-    left = search.unexplained(best)
-    if not (more or better):
+        found = search.baseline
+    elif better:
+        found = standing(search, without(search, best, better))
+    else:
         found, more = unlisted_addition(search, best, left)
-        if found is not best:
-            best, left = found, search.unexplained(found)
-    return best, left, better, more
+    return found, left if found is best else search.unexplained(found), better, more
 
 
 def _unlike(campaign: Campaign, logs: Sequence[Run]) -> tuple[str, str]:

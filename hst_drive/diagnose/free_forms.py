@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import log
 from types import MappingProxyType
-from typing import Callable, Container, Mapping, NamedTuple
+from typing import Callable, Container, Iterable, Mapping, NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Unknown
@@ -58,14 +58,14 @@ def with_start(model: Model, form: FreeForm) -> Model:
         form.formula, [(size, term) for term in form.terms]))
 
 
-def fitted_free_form(campaign: Campaign, model: Model, form: FreeForm,
-                     known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
-                     ) -> Trial | None:
-    """Fit a model with a formula; None if the rig has adopted that already."""
-    if form.formula in campaign.rig.effects:
-        return None
-    fitted = fit(campaign, with_start(model, form), known=known)
-    return Trial(form.what, fitted, form.unknown, form)
+def fitted_forms(campaign: Campaign, model: Model, forms: Iterable[FreeForm],
+                 known: Mapping[tuple[str, str], np.ndarray] = MappingProxyType({})
+                 ) -> list[Trial]:
+    """Fit a model with each formula that the rig has not adopted and that these logs may show."""
+    return [Trial(form.what, fit(campaign, with_start(model, form), known=known), form.unknown,
+                  form)
+            for form in forms if form.formula not in campaign.rig.effects
+            and (form.unknown is None or form.unknown.signal in campaign.signals)]
 
 
 def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,

@@ -208,7 +208,7 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
     """Return the error of the location's own balance; None if the log does not close it."""
     if not location.balance:
         return None
-    part = PartModel(campaign.rig, model.model.effects, model.model.scales)
+    part = PartModel(campaign.rig, campaign.switched(model.model), model.model.scales)
     part.zeros, part.delays = as_read(campaign.rig, model.model)
     try:
         replay = PartReplay(campaign.replays[index].run, part)

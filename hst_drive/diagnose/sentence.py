@@ -128,12 +128,12 @@ def odds(found: Probability) -> str:
                      for what, share in (*told, *([('all others', rest)] if rest >= 0.01 else ())))
 
 
-def nearly(found: Probability, verdict: str, named: Collection[tuple[str, ...]]) -> str:
+def nearly(found: Probability, named: Collection[tuple[str, ...]]) -> str:
     """Tell what else than the sets named is as probable, by odds hardly worth a mention, or ''."""
     shares = [(f'{listed(names)} {"together are" if len(names) > 1 else "alone is"}', share,
                names in named) for names, share in found.sets]
     shares += [('that nothing is missing is', found.none, () in named),
-               ('something that is not listed is', found.unknown, verdict == 'unknown')]
+               ('something that is not listed is', found.unknown, not named)]
     what, most, _ = max((entry for entry in shares if not entry[2]), key=lambda item: item[1])
     said = sum(share for _, share, own in shares if own)
     return f'But {what} nearly as probable.' if DECIDED * most > said > 0.0 else ''

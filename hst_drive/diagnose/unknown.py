@@ -64,11 +64,6 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
                    explained, worth(campaign, model, name, carried) if carried else None)
 
 
-def sensor_that_drifts(channel: str) -> Unknown:
-    """Return what is left where a reading parts from all others with time."""
-    return Unknown('sensor', channel, ('time',), '')
-
-
 def _by_command(depends: Sequence[str], terms: Sequence[dict]) -> bool:
     """Say whether the command's motion, or the command alone, tells the missing oil."""
     moving = any(name.startswith('pump_command_') for term in terms[:1]

@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.free_forms import (
-    as_unknown, better, fitted_free_form, FreeForm, how_much_better, Trial)
+    as_unknown, better, fitted_forms, FreeForm, how_much_better, Trial)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.effects import catalogue
 from hst_drive.effects.slots import SLOTS
@@ -36,13 +36,13 @@ from scipy.optimize import minimize_scalar
 _ROUNDS = 2             # of the timing and the unit in turn
 # Slot of an effect: what is tried in its place.
 _FREE_FORMS = {
-    **dict.fromkeys(('pump_flow_loss', 'pump_speed'), FreeForm(
+    **dict.fromkeys(('pump_flow_loss', 'pump_speed'), (FreeForm(
         'a leakage that goes with pressure and pump command', 'formula_pump_flow',
-        (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump')))),
-    'pump_command': FreeForm(
+        (('pressure',), ('pressure', 'pump'), ('pressure', 'pump', 'pump'))),)),
+    'pump_command': (FreeForm(
         'a bent curve of the flow meter', 'formula_flow_reading', (('flow',), ('flow', 'flow')),
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
-                'flow reading [m^3/s]')),
+                'flow reading [m^3/s]')),),
 }
 # In the place of several effects that pressure shows: together they imitate much.
 _SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
@@ -71,20 +71,19 @@ class Unlisted(NamedTuple):
     unknown: Unknown | None
 
 
-def unlisted_replacement(search: Search, best: Candidate) -> dict[str, Unlisted]:
+def unlisted_replacement(search: Search, best: Candidate,
+                         left: Container[str]) -> dict[str, Unlisted]:
     """
     Return the effects of a set in whose place something fits better that is not listed.
 
-    Logs of a part of the drive are left out: they are judged balance by balance, each with few
-    signals, where anything freer fits better.
+    ``left`` are the signals that the set leaves unexplained.
     """
     found: dict[str, Unlisted] = {}
-    if search.campaign.by_balance:
-        return found
-    left = search.unexplained(best)
     for name in best.names:
-        trial = _best(search, best, [*_formula(search, best, name),
-                                     *_actuator(search, best, name)], left)
+        trial = _best(search, best, [
+            *fitted_forms(search.campaign, best.fit.model.without(name),
+                          _FREE_FORMS.get(catalogue()[name].slot, ())),
+            *_actuator(search, best, name)], left)
         if trial:
             found[name] = Unlisted(
                 f'comes near, but {trial.what} in its place '
@@ -100,13 +99,10 @@ def _of_warmth(search: Search, best: Candidate,
     if len(names) < 2 or not WARMS <= np.ptp(np.concatenate(
             [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
         return {}
-    model = best.fit.model
-    for name in names:
-        model = model.without(name)
-    trials = [trial for form in _OF_WARMTH if form.unknown.signal in search.campaign.signals
-              for trial in [fitted_free_form(search.campaign, model, form)] if trial]
+    model = best.fit.model.without(*names)
     # Of what explains as much one cause is a better answer than several.
-    trial = _best(search, best, trials, left, simpler=True)
+    trial = _best(search, best, fitted_forms(search.campaign, model, _OF_WARMTH), left,
+                  simpler=True)
     if not trial:
         return {}
     unknown = as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)
@@ -124,8 +120,6 @@ def unlisted_addition(search: Search, best: Candidate,
     rough load, or the unit's own lag, may still hide it from the noise ratio. A set whose fit had
     stopped in a bend of its valley comes back as good as the trials have shown that it can be.
     """
-    if search.campaign.by_balance:
-        return best, None
     trial = _best(search, best, [*_additions(search, best, left)], left)
     if trial is None:
         return best, None
@@ -152,20 +146,23 @@ def _additions(search: Search, best: Candidate, left: Container[str]) -> Iterato
         yield _timed(search, best.fit, DEAD_TIME)
         # The torque's reading goes into the replay: late, it spoils the other signals.
         for name in LATE_READINGS:
-            if name in left or name == search.campaign.replays[0].torque:
+            if name in left or name in _torques(search.campaign):
                 yield from (_timed(search, best.fit, timing) for timing in reads_late(name))
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked
     # in every diagnosis.
-    trial = fitted_free_form(turned, best.fit.model, _LOAD_BY_ANGLE, known=search.base.columns)
-    if not trial:
-        return
-    if turned.replays[0].torque not in turned.signals:
-        # Where no load is recorded what is left cannot say that it is one.
-        seen = trial._replace(unknown=Unknown(
-            'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]'))
-        trial = trial._replace(unknown=as_unknown(turned, lambda: best.fit, seen))
-    yield trial
+    for trial in fitted_forms(turned, best.fit.model, [_LOAD_BY_ANGLE], search.base.columns):
+        if not _torques(turned):
+            # Where no load is recorded what is left cannot say that it is one.
+            seen = trial._replace(unknown=Unknown(
+                'load', turned.signals[0], ('motor_angle',), 'load torque [N.m]'))
+            trial = trial._replace(unknown=as_unknown(turned, lambda: best.fit, seen))
+        yield trial
+
+
+def _torques(campaign: Campaign) -> set[str]:
+    """Return the signals of the load's torque that these logs have."""
+    return {replay.torque for replay in campaign.replays} & {*campaign.signals}
 
 
 def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
@@ -175,15 +172,6 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
         if column.signal == campaign.replays[column.log].torque:
             found[column.log] = -column.weighed(error)
     return found
-
-
-def _formula(search: Search, best: Candidate, name: str) -> list[Trial]:
-    """Fit a formula in the place of an effect, if there is one for its place."""
-    form = _FREE_FORMS.get(catalogue()[name].slot)
-    if form is None or (form.unknown and form.unknown.signal not in search.campaign.signals):
-        return []
-    trial = fitted_free_form(search.campaign, best.fit.model.without(name), form)
-    return [trial] if trial else []
 
 
 def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:

@@ -3,8 +3,6 @@
 """What could stand in the place of an effect that was found."""
 from __future__ import annotations
 
-from typing import Sequence
-
 from hst_drive.effects import catalogue
 from hst_drive.identify.evidence import CREDIBLE
 from hst_drive.identify.fit import at_ends
@@ -37,13 +35,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',
                            again=True)
-    found = [entry for entry in found if not at_ends(
-        search.campaign, entry.fit.model, _new(entry, others))]
-    odds = log_odds(search, [best, *found])[1:]
-    return tuple(_new(found[index], others) for index in np.argsort(-odds)
-                 if odds[index] >= -CREDIBLE)
-
-
-def _new(rival: Candidate, others: Sequence[str]) -> str:
-    """Return the effect of a set that is not among these."""
-    return next(name for name in rival.names if name not in others)
+    held = [(new, entry) for new, entry in zip(tried, found)
+            if not at_ends(search.campaign, entry.fit.model, new)]
+    odds = log_odds(search, [best, *(entry for _, entry in held)])[1:]
+    return tuple(held[index][0] for index in np.argsort(-odds) if odds[index] >= -CREDIBLE)

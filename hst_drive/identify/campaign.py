@@ -29,7 +29,7 @@ from hst_drive.measure.run import BLOCK, Run
 from hst_drive.model import Drive
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import OPEN
-from hst_drive.rig.schema import DOUBTED_WAVES, ONE_SIDED
+from hst_drive.rig.schema import DOUBTED, ONE_SIDED, WAVES
 import numpy as np
 
 MAX_STEP = 10e-3        # s; halving it moves no fitted cost by more than a thousandth
@@ -52,7 +52,6 @@ class Campaign:
     block = BLOCK
     finest = 0.008  # s: faster records are averaged; the drive has nothing to show there
     events = 0.07   # share of the blocks that single events may spoil
-    searched: tuple[str, ...] = ('always',)
     by_balance = False      # True: no simulation, each balance by itself, both sides smoothed
     signed = False  # True: a leak may be negative, where it is what has changed in a machine
     open_forms = False      # True: an adopted leak may grow in another form than it was adopted in
@@ -118,7 +117,8 @@ class Campaign:
     def candidates(self) -> list[str]:
         """Return the effects that these logs may be searched for."""
         return [name for name, effect in catalogue().items()
-                if name in self.faults or effect.searched in self.searched
+                if name in self.faults or (
+                    effect.searched == 'always' or self.by_balance and effect.searched == 'parts')
                 and name not in self.adopted
                 and not (effect.form_of and self.fits(*effect.form_of))]
 
@@ -206,10 +206,6 @@ class Campaign:
         return any(replay.stamp_std > _SLOW_STAMPS for replay in self.replays
                    if name != replay.torque)
 
-    def _spoilt(self, name: str) -> float:
-        """Return the share of a signal's blocks that single events may spoil."""
-        return _SLOW_EVENTS if self.slow(name) else self.events
-
     @staticmethod
     def _split(replay: Replay, training: bool, named: bool) -> np.ndarray:
         """Return +1 for samples to fit on, -1 for samples to judge on, 0 for neither."""
@@ -245,17 +241,22 @@ class Campaign:
 
     def doubted(self) -> Campaign | None:
         """
-        Return the campaign of readings that are late, and of a pump off its curve in waves.
+        Return the campaign of readings that are late, and of a machine off its sheet's curves.
 
-        None if the rig file says of all that. Of a machine that was commissioned, and where
-        balances are judged one by one, the waves are known, or the unit's already.
+        None if the rig file says of all that. Of a machine that was commissioned curves are the
+        unit's already; balances that are judged one by one have the pump's in what a sheet is off.
         """
-        waves = {} if self.by_balance or self.commissioned_unit else {
-            key: sigma for key, sigma in DOUBTED_WAVES.items() if key not in self.rig.scatter}
+        curves = {} if self.commissioned_unit else {
+            key: sigma for key, sigma in DOUBTED.items() if key not in self.rig.scatter
+            and not (self.by_balance and key in WAVES) and self.tells(key, sigma)}
         delays = self._delays(DELAY)
-        if not waves and delays.keys() <= self.delays.keys():
+        if not curves and delays.keys() <= self.delays.keys():
             return None
-        return self._changed(tolerances={**waves, **self.tolerances}, delays=delays)
+        return self._changed(tolerances={**curves, **self.tolerances}, delays=delays)
+
+    def tells(self, key: str, sigma: float) -> bool:
+        """Say whether such logs can tell by how much a unit is off."""
+        return True
 
     def with_oil_law(self, power: float) -> Campaign:
         """Return the campaign of a machine whose leakages follow the viscosity by a power."""
@@ -368,7 +369,8 @@ class Campaign:
         ratios = {}
         for name, squares in self.blocks(errors, held_out).items():
             squares = np.sort(squares[np.isfinite(squares)])
-            if count := len(squares) - int(np.ceil(self._spoilt(name) * len(squares))):
+            spoilt = _SLOW_EVENTS if self.slow(name) else self.events
+            if count := len(squares) - int(np.ceil(spoilt * len(squares))):
                 ratios[name] = float(np.sqrt(squares[:count].mean()))
         return ratios
 

@@ -189,8 +189,6 @@ def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,
         (T. Mitchell, J. Beauchamp, JASA 83, 1988). NaN: nowhere.
 
     """
-    if not len(mode):
-        return 0.0
     width = np.where(normal, 1.0, ranges / np.sqrt(2 * np.pi))
     # An even prior has the precision that makes a still parameter cost nothing.
     precision = np.eye(len(mode)) + width[:, None] * information * width
@@ -279,24 +277,20 @@ def _as_share(signal: Signal, share: float, sheet: float) -> np.ndarray:
     return np.asarray(np.log(np.diff(erf(_EDGES / (np.sqrt(2.0) * scale))) + 1e-300))
 
 
-def decided(found: Probability, verdict: str,
-            named: Collection[tuple[str, ...]]) -> Probability:
+def decided(found: Probability, named: Collection[tuple[str, ...]]) -> Probability:
     """
-    Return probabilities that know the answer.
+    Return probabilities that know the answer: the sets that are ``named``, or *unknown* if none.
 
-    The likelihood does not know which rows were held out; ``verdict`` and what is ``named`` do.
-    They multiply the odds of what they say, and make it at least as probable as not.
+    The likelihood does not know which rows were held out; the answer does. It multiplies the odds
+    of what it says, and makes that at least as probable as not.
     """
-    unknown = verdict == 'unknown'
-    held = [not unknown and names in named for names, _ in found.sets]
-    none = not unknown and () in named
-    said = found.unknown * unknown + found.none * none + sum(
-        share for (_, share), own in zip(found.sets, held) if own)
+    said = found.none * (() in named) + sum(
+        share for names, share in found.sets if names in named) if named else found.unknown
     if not 0.0 < said < 1.0:
         return found
     share = max(DECIDED * said / (DECIDED * said + 1.0 - said), 0.5)
     yes, no = share / said, (1.0 - share) / (1.0 - said)
-    sets = sorted(((names, (yes if own else no) * value)
-                   for (names, value), own in zip(found.sets, held)), key=lambda item: -item[1])
-    return found._replace(none=found.none * (yes if none else no),
-                          unknown=found.unknown * (yes if unknown else no), sets=tuple(sets))
+    sets = sorted(((names, (yes if names in named else no) * value)
+                   for names, value in found.sets), key=lambda item: -item[1])
+    return found._replace(none=found.none * (yes if () in named else no),
+                          unknown=found.unknown * (no if named else yes), sets=tuple(sets))

@@ -84,12 +84,6 @@ def score(campaign: Campaign, fitted: Fit) -> float:
     return total + fitted.cost
 
 
-def cost_of(unknowns: Unknowns, vector: np.ndarray, residual: np.ndarray) -> float:
-    """Return the sum of squares of weighted errors and priors."""
-    prior = vector[:unknowns.factors]
-    return float(residual @ residual + prior @ prior)
-
-
 def differences(campaign: Campaign, unknowns: Unknowns, vector: np.ndarray,
                 errors: Sequence[np.ndarray], which: Sequence[int],
                 errors_at: ErrorsAt) -> np.ndarray:
@@ -144,13 +138,17 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         progress(f'fitting: {next(replays)} replays')
         return campaign.errors(unknowns.unpack(vector), to_fit=True)
 
+    def cost_of(vector: np.ndarray, residual: np.ndarray) -> float:
+        prior = vector[:unknowns.factors]
+        return float(residual @ residual + prior @ prior)
+
     def linearised() -> Linearised:
         return Linearised(residual, jacobian, vector, unknowns.factors)
 
     vector = np.clip(unknowns.pack(start), unknowns.low, unknowns.high)
     errors = errors_at(vector)
     residual = campaign.training(errors)
-    cost = cost_of(unknowns, vector, residual)
+    cost = cost_of(vector, residual)
     everything = list(range(len(vector)))
     own = [k for k in everything if unknowns.names[k] not in known]
     jacobian = np.zeros((len(vector), len(residual))).T
@@ -171,7 +169,7 @@ def fit(campaign: Campaign, start: Model, *, iterations: int = 4,
         for trial, damping in _trials(linear, unknowns, vector, damping):
             trial_errors = errors_at(trial)
             moved = campaign.training(trial_errors)
-            trial_cost = cost_of(unknowns, trial, moved)
+            trial_cost = cost_of(trial, moved)
             if trial_cost < cost:
                 reached, damping = trial, max(damping / 10, 1e-9)
                 break

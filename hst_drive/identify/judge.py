@@ -56,10 +56,11 @@ def matters(before: Mapping[str, float], after: Mapping[str, float]) -> bool:
     """
     Say whether a model takes a tenth of a signal's squared error, from its noise ratios.
 
-    By less a make is off its formulas. Where less than the floor is left, it is a tenth of that.
+    By less a make is off its formulas.
     """
-    return any(first**2 - after[name]**2 >= PRACTICAL * max(first**2, 1.0)
-               for name, first in before.items())
+    shares = taken(*({name: np.array([ratio**2]) for name, ratio in ratios.items()}
+                     for ratios in (before, after)))
+    return max(shares.values(), default=0.0) >= PRACTICAL
 
 
 def over_own_floors(campaign: Campaign, model: Fit) -> tuple[Campaign, Fit]:

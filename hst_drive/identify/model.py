@@ -45,7 +45,7 @@ class Model:
         """Return a model with one effect more, or with other parameters for it."""
         return replace(self, effects={**self.effects, name: dict(values)})
 
-    def without(self, name: str) -> Model:
-        """Return a model with one effect less."""
+    def without(self, *names: str) -> Model:
+        """Return a model without some effects."""
         return replace(self, effects={key: value for key, value in self.effects.items()
-                                      if key != name})
+                                      if key not in names})

@@ -45,7 +45,6 @@ class PartCampaign(Campaign):
     Without ``holdout`` a third of each log is held out.
     """
 
-    searched = ('always', 'parts')
     by_balance = True
     open_forms = True
 
@@ -55,8 +54,8 @@ class PartCampaign(Campaign):
         super().__init__(rig, runs, holdout)
         self._named = bool(holdout)
         self._typical: dict[str, dict[str, float]] = {}
-        self.tolerances = {key: value for key, value in self.tolerances.items()
-                           if self._moves(Model({}, {key: value}))}
+        self.tolerances = {key: sigma for key, sigma in self.tolerances.items()
+                           if self.tells(key, sigma)}
         self.zeros = {name: value for name, value in self.zeros.items()
                       if self._moves(Model({}, {}, {name: value}))}
         tables = all(replay.static for replay in self.replays)
@@ -205,9 +204,18 @@ class PartCampaign(Campaign):
         return {name: value for name, value in super()._delays(usual).items()
                 if self._moves(Model({}, {}, {}, {name: value}))}
 
+    def tells(self, key: str, sigma: float) -> bool:
+        """Say whether a balance tells by how much a unit is off."""
+        return self._moves(Model({}, {key: sigma}))
+
     @cached_property
     def _still(self) -> list[np.ndarray]:
         return self.errors(Model())
+
+    def _changed(self, **attributes) -> Campaign:
+        other = super()._changed(**attributes)
+        vars(other).pop('_still', None)     # of this campaign
+        return other
 
     def _moves(self, model: Model) -> bool:
         return self._differ(self.errors(model), self._still)

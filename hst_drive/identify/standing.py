@@ -93,9 +93,8 @@ def _share(campaign: Campaign, before: Fit, after: Fit, held_out: bool) -> float
 def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
     """Return the fit without some of the effects of a set."""
     kept, start = _rest(best, out)
-    if not kept or not out:
-        return best if kept else search.baseline
-    return search.refine(search.try_all([(kept, start)], 'taking effects out')[0])
+    return search.refine(search.try_all([(kept, start)], 'taking effects out')[0]) if kept \
+        else search.baseline
 
 
 def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Fit]:

@@ -59,7 +59,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [shaped({effect.order: float(entry)}) for entry in found] or [shaped({})]
     # In logs of a part what a whole drive alone can tell stays as it is.
-    declared = [entry for entry in effect.starts if 'parts' not in campaign.searched
+    declared = [entry for entry in effect.starts if not campaign.by_balance
                 or not any(effect.parameter(key).whole_drive for key in entry)]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
     many = len(declared) > _MANY

@@ -79,7 +79,8 @@ def reads_late(signal: str) -> tuple[Timing, Timing]:
 
     def moved(campaign: Campaign, delay: float) -> None:
         for replay in campaign.replays:
-            replay.read_earlier(signal, delay)
+            if signal in replay.run:
+                replay.read_earlier(signal, delay)
 
     def told(delay: float) -> str:
         early = 'lead' if delay < 0.0 else 'lag'

@@ -3,7 +3,7 @@
 """What is fitted, as a vector: factors of the unit and parameters of the effects that are on."""
 from __future__ import annotations
 
-from typing import Collection, Sequence
+from typing import Collection
 
 from hst_drive.effects import effect_of
 from hst_drive.effects.formula import FORMULAS
@@ -12,14 +12,6 @@ from hst_drive.identify.model import Model
 import numpy as np
 
 SIGMAS = 3.0    # tolerances within which the unit's factors are held
-
-
-def symmetric_root(matrix: Sequence[Sequence[float]]) -> np.ndarray:
-    """Return the symmetric root of a symmetric matrix that is positive."""
-    if not len(matrix):
-        return np.zeros((0, 0))
-    values, vectors = np.linalg.eigh(np.asarray(matrix, dtype=float))
-    return (vectors * np.sqrt(values)) @ vectors.T
 
 
 class Unknowns:
@@ -49,8 +41,10 @@ class Unknowns:
                         if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
                         and (name, key) not in kept))
         self.factors = len(factors)     # of the unit; they come first
-        self._root = symmetric_root([[campaign.ties.get((one, other), float(one == other))
-                                      for _, other in factors] for _, one in factors])
+        values, vectors = np.linalg.eigh(np.reshape(
+            [campaign.ties.get((one, other), float(one == other))
+             for _, one in factors for _, other in factors], (len(factors), -1 if factors else 0)))
+        self._root = (vectors * np.sqrt(values)) @ vectors.T
         self._parameter, self._least = campaign.parameter, campaign.least
         self.scale = np.array([self._scale(*name) for name in self.names])
         limits = [self._limits(*name) for name in self.names]

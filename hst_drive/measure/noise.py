@@ -206,11 +206,8 @@ def _block_size(step: float) -> int:
 
 def _block_means(values: np.ndarray, size: int) -> np.ndarray:
     """Return the means of blocks of ``size`` or a little more, that hold all values."""
-    count = max(len(values) // size, 1)
-    short, longer = divmod(len(values), count)
-    cut = longer * (short + 1)
-    return np.concatenate([values[:cut].reshape(longer, -1 if longer else 1).mean(axis=1),
-                           values[cut:].reshape(count - longer, short).mean(axis=1)])
+    return np.array([block.mean()
+                     for block in np.array_split(values, max(len(values) // size, 1))])
 
 
 class Smoother:

@@ -22,12 +22,12 @@ from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.floor import part_floor
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import bridged, earlier, gaps, later
-from hst_drive.measure.run import Run, shifted, usual_size
+from hst_drive.measure.run import Run, shifted, usual_size, zeroed
 from hst_drive.measure.turns import into_step
 from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
-from hst_drive.rig.rig import NO_SIGN
+from hst_drive.rig.rig import NO_SIGN, Sensor
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -141,15 +141,12 @@ class PartReplay:
 
     def _noise_of(self, name: str, model: PartModel) -> float:
         """Return a sensor's noise: from the record, or as stated for a table."""
-        sensor = model.rig.sensors.get(name)
-        step = sensor.resolution / np.sqrt(12.0) if sensor else 0.0
+        sensor = model.rig.sensors.get(name, Sensor(0.0))
         if self.static:
-            if sensor is None or sensor.noise_std <= 0:
-                return 0.0
-            return float(np.hypot(sensor.noise_std, step))
+            return sensor.std if sensor.noise_std > 0 else 0.0
         if CHANNELS[name].hold == 'zero' or CHANNELS[name].slow:
             return 0.0
-        return max(steady_noise(self.run[name]), step)
+        return max(steady_noise(self.run[name]), sensor.step_std)
 
     def _signal_noise(self, name: str, model: PartModel) -> float:
         rest = self._channels[name] - self.predict(model)[name]
@@ -159,14 +156,10 @@ class PartReplay:
             # A table whose sensor is not described: what a smooth surface leaves of the error.
             if not stated:
                 self._input_noise = dict.fromkeys(self._input_noise, 0.0)
-            return max(stated or self._rough(rest), tiny)
+            return max(stated or surface_noise(rest, [self._channels[place] for place in (
+                *PRESSURES, 'motor_speed', 'pump_speed', 'pump_command', 'oil_temperature')
+                if place in self._channels]), tiny)
         return max(min(self._input_noise[name], steady_noise(rest) or np.inf), tiny)
-
-    def _rough(self, rest: np.ndarray) -> float:
-        """Return the deviation of an error from a smooth function of the operating point."""
-        return surface_noise(rest, [self._channels[name] for name in (
-            *PRESSURES, 'motor_speed', 'pump_speed', 'pump_command', 'oil_temperature')
-            if name in self._channels])
 
     def _width(self, name: str, model: PartModel) -> float:
         """Return the Gaussian's deviation, samples, from which the rate adds little noise."""
@@ -231,7 +224,7 @@ class PartReplay:
     def predict(self, model: PartModel,
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
         """Predict each signal from the others; ``extra`` is added to channels, SI."""
-        true = _without(model.zeros, shifted(self._channels, extra or {}))
+        true = zeroed(shifted(self._channels, extra or {}), model.zeros)
         late = {} if self.static else model.delays
         found = self._predicted(model, self.balances, {
             **true, **{name: earlier(self.run.time, true[name], delay)
@@ -245,7 +238,7 @@ class PartReplay:
         time = None if self.static else self.run.time
         weak = Weak(time, np.asarray, lambda values: (
             np.zeros(len(values)) if time is None else np.gradient(values, time)))
-        true = _without(model.zeros, self._channels)
+        true = zeroed(self._channels, model.zeros)
         return self._predicted(model, balances, true, lambda name: weak)
 
     def _predicted(self, model: PartModel, balances: Mapping[str, Balance],
@@ -283,8 +276,3 @@ class PartReplay:
         """Return what a maker's sheet may be off on a signal beyond the unit's factors, SI."""
         balance = self.balances[name]
         return balance.untold * usual_size(self.run[name])
-
-
-def _without(zeros: Mapping[str, float], channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return what sensors would read with their zeros right."""
-    return shifted(channels, {name: -zero for name, zero in zeros.items()})

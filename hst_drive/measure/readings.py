@@ -44,9 +44,8 @@ class Readings:
 
     def step(self, name: str) -> float:
         """Return the deviation (SI) that the sensor's resolution alone makes."""
-        sensor = self.sensors.get(name)
-        stated = sensor.resolution if sensor else 0.0
-        return max(max(stated, _seen_step(self.run[name])) / np.sqrt(12.0), 1e-12)
+        stated = self.sensors.get(name, Sensor(0.0)).step_std
+        return max(stated, _seen_step(self.run[name]) / np.sqrt(12.0), 1e-12)
 
     def noise(self, name: str, values: np.ndarray) -> float:
         """Tell how large the white part of a signal is, or of what is left of it (SI)."""

@@ -15,7 +15,6 @@ from hst_drive.measure.noise import Coloured, Smoother
 from hst_drive.measure.readings import earlier, filled, Readings
 from hst_drive.measure.run import Run
 from hst_drive.measure.shaft import Behind, behind, load_side
-from hst_drive.measure.speed import speed_behind
 from hst_drive.model import Drive
 import numpy as np
 
@@ -64,7 +63,20 @@ class RecordedLoad:
             return self._speed      # which the flow meter gave
         if reading is None:
             reading = earlier(self.run.time, self._speed, drive.delays.get('motor_speed', 0.0))
-        return speed_behind(drive, self.readings, reading, self.inputs['oil_temperature'])
+        speed = reading - drive.slot('speed_reading', motor_speed=reading,
+                                     oil_temperature=self.inputs['oil_temperature'])
+        for slot in ('speed_reading_lag', 'speed_reading_series_lag'):
+            speed = self.readings.ahead(speed, drive.slot(slot))
+        return speed
+
+    def _read_speed(self, drive: Drive) -> np.ndarray:
+        """Return the speed (rad/s) as it was read; from flow meter and torque if need be."""
+        if 'motor_speed' in self.run:
+            return filled(self.run['motor_speed'])
+        motor, flow = drive.rig.motor, filled(self.run['motor_inlet_flow'])
+        pressure = np.maximum(self._measured, 0.0) / motor.displacement
+        return (flow - motor.leakage(pressure, np.abs(flow) / motor.displacement)
+                ) / motor.displacement
 
     def _stated_noise(self, drive: Drive, name: str) -> float:
         """

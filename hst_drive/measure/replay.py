@@ -24,7 +24,6 @@ from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, varia
 from hst_drive.measure.readings import bridged, earlier, filled, later, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
-from hst_drive.measure.speed import measured_speed
 from hst_drive.measure.start import Beginning, first_state, unsettled_load
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
@@ -146,7 +145,7 @@ class Replay(RecordedLoad):
         if self.torque:
             self._measured = filled(run[self.torque])
             if 'motor_speed' in run or 'motor_inlet_flow' in run:
-                self._speed = measured_speed(drive, run, self._measured)
+                self._speed = self._read_speed(drive)
                 self._correct(drive)
             else:
                 # The load hardly depends on speed: two rounds with the model's own will do.

@@ -124,6 +124,12 @@ def shifted(signals: Mapping[str, np.ndarray],
                           if name in signals}}
 
 
+def zeroed(signals: Mapping[str, np.ndarray],
+           zeros: Mapping[str, float]) -> dict[str, np.ndarray]:
+    """Return what sensors would read with their zeros right."""
+    return shifted(signals, {name: -zero for name, zero in zeros.items()})
+
+
 def usual_size(values: np.ndarray) -> float:
     """Return up to which size values usually are; 0 without any."""
     known = np.abs(values[np.isfinite(values)])

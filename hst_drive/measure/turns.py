@@ -47,7 +47,7 @@ def into_step(replay: Replay | PartReplay, model: Drive | PartModel) -> None:
     """Turn a replay so that what swings in it agrees with what swings in a model."""
     known = 0.0
     for name, count in swinging(model).items():
-        angle = start_angle(replay, model, name)
+        angle = _start_angle(replay, model, name)
         if known:
             # Whole periods of what agrees already.
             angle = round(angle * known / (2 * np.pi)) * 2 * np.pi / known
@@ -55,25 +55,8 @@ def into_step(replay: Replay | PartReplay, model: Drive | PartModel) -> None:
         known = count
 
 
-def start_angle(replay: Replay | PartReplay, model: Drive | PartModel, name: str) -> float:
-    """
-    Return by how much further the shaft stood at the start than the replay has it.
-
-    Parameters
-    ----------
-    replay : Replay or PartReplay
-        Must know the angle.
-    model : Drive or PartModel
-        Model with the effect on.
-    name : str
-        The effect that swings with the angle.
-
-    Returns
-    -------
-    float
-        rad; 0 if nothing swings.
-
-    """
+def _start_angle(replay: Replay | PartReplay, model: Drive | PartModel, name: str) -> float:
+    """Return by how much further (rad) the shaft stood at the start, by an effect that swings."""
     count, values = _swing(model, name)
     still = model.with_effect(name, values)
     trial, total = copy.copy(replay), 0.0

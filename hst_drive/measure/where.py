@@ -98,9 +98,8 @@ def where(errors: Mapping[str, Sequence[np.ndarray]],
 
 def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -> Region | None:
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
-    if len(edges) < 3 or edges[-1] - edges[0] < 1e-9 * max(abs(edges[0]), abs(edges[-1]), 1e-9):
-        return None
-    if edges[-1] - edges[0] < (WARMS if variable == 'oil_temperature' else 0.0):
+    least = max(WARMS if variable == 'oil_temperature' else 0.0, 1e-9 * np.abs(edges).max(), 1e-18)
+    if len(edges) < 3 or edges[-1] - edges[0] < least:
         return None
     bins = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, len(edges) - 2)
     counts = np.bincount(bins, minlength=len(edges) - 1)

@@ -20,9 +20,9 @@ from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
-from hst_drive.model.kernel_template import waved
+from hst_drive.model.kernel_template import bent, waved
 from hst_drive.model.lags import behind_play, follow, held_share
-from hst_drive.model.parameters import actuator_numbers, WAVED
+from hst_drive.model.parameters import actuator_numbers, BENT, WAVED
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
 import numpy as np
@@ -165,14 +165,17 @@ class PartModel:
             # A cavitating inlet neither drives nor brakes.
             net = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0))
             more = self.terms('loss_pressure', known)
-            efficiency = self.factor('motor.mechanical_efficiency') * (
-                self.rig.motor.mechanical_efficiency(np.abs(net) + more, np.abs(speed)))
+            motor, under = self.rig.motor, np.abs(net) + more
+            factor = self.factor('motor.mechanical_efficiency') * evaluate(bent, {
+                'pressure': under, 'rated_pressure': self.rig.rated_pressure,
+                **{number: self.factor(key) for key, number in BENT.items()}})
+            efficiency = factor * motor.mechanical_efficiency(under, np.abs(speed))
             ideal = net * self.motor_displacement
-            lost = (1.0 - efficiency) * (np.abs(net) + more) * self.motor_displacement
-            if self.rig.motor.torque_loss:
+            lost = (1.0 - efficiency) * under * self.motor_displacement
+            if motor.torque_loss:
                 # Coefficients tell what is lost without a pressure, too.
-                coulomb, viscous, share = self.rig.motor.torque_loss
-                share = 1.0 - self.factor('motor.mechanical_efficiency') * (1.0 - share)
+                coulomb, viscous, share = motor.torque_loss
+                share = 1.0 - factor * (1.0 - share)
                 lost = share * np.abs(ideal) + coulomb + viscous * np.abs(speed)
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
             hydraulic = ideal - lost * np.where(speed == 0.0, np.sign(ideal), direction)

@@ -9,6 +9,7 @@ None, and what needs them says so.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import math
 
 from hst_drive.effects.oil import GRADE, viscosity_ratio
 from hst_drive.errors import InputError
@@ -21,6 +22,7 @@ OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
+_USUAL = 3.5e7      # Pa, which a drive is made for where nothing tells it
 NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
 
 
@@ -181,6 +183,16 @@ class Sensor:
     delay: float = 0.0
     delay_std: float | None = None
 
+    @property
+    def step_std(self) -> float:
+        """Standard deviation that the step of the reading alone makes, SI."""
+        return self.resolution / math.sqrt(12.0)
+
+    @property
+    def std(self) -> float:
+        """Standard deviation of a reading, its step included, SI."""
+        return math.hypot(self.noise_std, self.step_std)
+
 
 @dataclass(frozen=True)
 class Rig:
@@ -254,6 +266,12 @@ class Rig:
     def delays(self) -> dict[str, float]:
         """How late each sensor is known to read, s."""
         return {name: sensor.delay for name, sensor in self.sensors.items() if sensor.delay}
+
+    @property
+    def rated_pressure(self) -> float:
+        """Pressure (Pa) that the drive is made for: of its relief valve, or of its supply."""
+        limit = self.relief_valve or self.cross_port_relief
+        return limit.set_pressure if limit else self.supply.pressure if self.supply else _USUAL
 
     @property
     def oil_grade(self) -> str:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.measure.circuit_balances import read_instead, watched
-from hst_drive.measure.run import shifted
+from hst_drive.measure.run import zeroed
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import NO_SIGN, OPEN
@@ -86,7 +86,6 @@ class Balances:
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
         self._noise = {name: noise_of(rig, name) for name in signals}
-        self._zeros = {name: -zero for name, zero in rig.zeros.items()}
         self._creeping = max(rig.creeping, NO_SIGN * self._noise.get(SPEED, 0.0))
 
     @cached_property
@@ -115,7 +114,7 @@ class Balances:
             ns.
 
         """
-        window = window._replace(values=shifted(window.values, self._zeros))
+        window = window._replace(values=zeroed(window.values, self.rig.zeros))
         first = (start - window.start) * 1e-9
         weights = bell(window.time, first + (end - start) * 0.5e-9, first)
         if weights is None:

@@ -13,6 +13,7 @@ from hst_drive.model.circuits import Balance
 from hst_drive.model.drive import turned
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
+from hst_drive.rig.rig import Sensor
 from hst_drive.watch.stream import Window
 import numpy as np
 
@@ -53,8 +54,7 @@ def accuracy_of(rig: Rig, pressure: float = Accuracy().pressure, flow: float = A
 
 def noise_of(rig: Rig, name: str) -> float:
     """Return the noise of a sensor as the rig file states it, its resolution included, SI."""
-    sensor = rig.sensors.get(name)
-    return math.hypot(sensor.noise_std, sensor.resolution / math.sqrt(12)) if sensor else 0.0
+    return rig.sensors.get(name, Sensor(0.0)).std
 
 
 def bell(time: np.ndarray, middle: float, first: float = -math.inf

@@ -10,7 +10,7 @@ from hst_drive.bag import read_log
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.rig import default_rig, load_rig, parse_rig
-from hst_drive.rig.rig import Curve
+from hst_drive.rig.rig import Curve, Surface
 import numpy as np
 import pytest
 
@@ -51,6 +51,20 @@ def test_a_displacement_curve_that_is_off_in_waves_is_the_unit(tmp_path):
     off = Curve(sheet.x, sheet.y * (1 + 0.004 * np.cos(2 * np.pi * share)))
     found = diagnose(replace(rig, pump=replace(rig.pump, displacement=off)), logs, held_out)
     assert found.verdict == 'none'
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('off', [0.01, -0.01])
+def test_an_efficiency_that_is_off_along_the_pressure_is_the_unit(off, tmp_path):
+    """1 % more at one end of the pressures than in the middle was unknown (0.63)."""
+    rig, logs, held_out = unseen(5003, tmp_path)
+    sheet = rig.motor.mechanical_efficiency
+    tilted = sheet.z * (1 + off * (2 * sheet.x / sheet.x[-1] - 1))[:, None]
+    found = diagnose(replace(rig, motor=replace(rig.motor, mechanical_efficiency=Surface(
+        sheet.x, sheet.y, tilted))), logs, held_out)
+    assert found.verdict == 'none'
+    tilt, = (entry for entry in found.calibration if entry.quantity == 'motor.efficiency_tilt')
+    assert tilt.factor == pytest.approx(1 - off, abs=0.004)
 
 
 @pytest.mark.needs_numba

@@ -33,12 +33,17 @@ CASES = [
 ]
 
 
+def replaced(search, best):
+    """Return what fits better in the place of an effect of a set."""
+    return unlisted_replacement(search, best, search.unexplained(best))
+
+
 @pytest.mark.needs_numba
 @pytest.mark.parametrize('hidden, form, named, beaten', CASES)
 def test_imitation_is_told_from_another_form(hidden, form, named, beaten):
     made = make_campaign(41, {hidden: {'size': 1.0, 'form': form}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    found = unlisted_replacement(search, search.refine(search.single(named)))
+    found = replaced(search, search.refine(search.single(named)))
     assert bool(found) is beaten
     assert set(found) <= {named}
 
@@ -47,7 +52,7 @@ def told(hidden, size, named, form=None):
     """Return what is told in the place of an effect, and what was hidden."""
     made = make_campaign(42, {hidden: {'size': size, **({'form': form} if form else {})}})
     search = Search(Campaign(*as_runs(made)), (named,))
-    found = unlisted_replacement(search, search.single(named))
+    found = replaced(search, search.single(named))
     return found[named].unknown, made.truth['si_parameters']
 
 
@@ -92,7 +97,7 @@ def test_several_effects_do_not_stand_for_one_of_the_oils_temperature(seed, hidd
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = unlisted_replacement(search, best)
+    found = replaced(search, best)
     assert bool(found) is beaten
     if beaten:
         assert set(found) == set(best.names) and len(best.names) > 1
@@ -110,7 +115,7 @@ def test_a_torque_reading_that_goes_with_the_oils_temperature_is_told_as_that():
         'bearing_friction', 'viscous_drag', 'stribeck_friction', 'pressure_sensor_bias',
         'back_pressure', 'line_loss'))
     best = search.run()
-    found = unlisted_replacement(search, best)
+    found = replaced(search, best)
     assert set(found) == set(best.names) and len(best.names) > 1
     unknown = found[best.names[0]].unknown
     assert (unknown.enters, unknown.signal) == ('sensor', 'load_torque')

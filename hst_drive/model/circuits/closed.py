@@ -16,14 +16,13 @@ from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
 from hst_drive.model.compose import CONSTANTS
-from hst_drive.model.kernel_template import waved
+from hst_drive.model.kernel_template import bent, waved
 from hst_drive.model.lags import held_share
 from hst_drive.model.parameters import ACTUATOR, actuator_numbers
 from hst_drive.rig import Rig
 
 _MARGIN = 0.015     # of the relief pressure: so far above the charge pressure a line is high
 _STEP = 2.0         # of the time in which the check valves fill the low line
-_USUAL = 3.5e7      # Pa, where no relief is given
 _EMPTY = CONSTANTS['CAVITATION_PRESSURE']
 _STROKE = 'pump_command|pump_displacement'
 
@@ -98,7 +97,7 @@ def pump_leak(pump_pressure, displacement, pump_speed, pump_command, flow, press
     """Return what the pump leaks into its case from a line under a pressure, m^3/s."""
     max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
-    characterised_at, rated_pressure = p[P_characterised_at], p[P_relief_set_pressure]
+    characterised_at, rated_pressure = p[P_characterised_at], p[P_rated_pressure]
     pump_leakage = p[P_pump_leakage_scale] * interpolate2(
         pump_pressure, abs(pump_command), T_PUMP_LEAKAGE, cells, layout)
     pump_flow_loss = 0.0
@@ -133,7 +132,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     max_displacement, nominal_speed = p[P_max_displacement], p[P_pump_shaft_speed]
     bulk_modulus, line_volume, oil_density = p[P_bulk_modulus], p[P_volume], p[P_oil_density]
     pistons, characterised_at = p[P_pistons], p[P_characterised_at]
-    cross_port_pressure = rated_pressure = p[P_relief_set_pressure]
+    cross_port_pressure = rated_pressure = p[P_rated_pressure]
     motor_displacement = p[P_motor_displacement]
     if motor_displacement_command > p[P_switches_at] and p[P_second_displacement] > 0.0:
         motor_displacement = p[P_second_displacement]
@@ -244,17 +243,16 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
 def numbers(rig: Rig) -> dict[str, float]:
     """Return the parameters of the equations, SI."""
     pump, charge, relief = rig.pump, rig.charge, rig.cross_port_relief
-    set_pressure = relief.set_pressure if relief else _USUAL
     return {
         **motor_numbers(rig), **actuator_numbers(pump.displacement),
         'pump_shaft_speed': pump.shaft_speed, 'max_displacement': pump.max_displacement,
         'displacement_lag': pump.displacement_lag, 'displacement_scale': 1.0,
-        'pump_leakage_scale': 1.0, 'relief_set_pressure': set_pressure,
+        'pump_leakage_scale': 1.0,
         'relief_gain': 1.0 / relief.override if relief else 0.0,
         'charge_relief': charge.relief_pressure, 'charge_override': charge.relief_override,
         'charge_displacement': charge.pump_displacement, 'check_valve': charge.check_valve,
         'check_gain': 1.0 / charge.check_valve, 'charge_gain': 1.0 / charge.relief_override,
-        'flushing': charge.flushing, 'margin': _MARGIN * set_pressure,
+        'flushing': charge.flushing, 'margin': _MARGIN * rig.rated_pressure,
         'sign_scale': CONSTANTS['SIGN_WIDTH'] / (SIGN_SPEED * max(rig.full_speed, 1e-6)),
     }
 
@@ -277,7 +275,7 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(waved, held_share, charged, pump_leak, capacity, gear, motor_leak, motor_leaks,
+    helpers=(bent, waved, held_share, charged, pump_leak, capacity, gear, motor_leak, motor_leaks,
              shaft),
     numbers=numbers, sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
