@@ -44,8 +44,8 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     title = CHANNELS[signal].title
     lacks = ('; and ' if any(entry.indistinguishable_from for entry in effects) else ' and ').join(
         f'{entry.id} ({catalogue()[entry.id].title})' + (
-            f", or {' or '.join(entry.indistinguishable_from)} in its place (these logs cannot "
-            'tell which)' if entry.indistinguishable_from else '')
+            f", or {' or '.join(entry.indistinguishable_from)} in its place (which these logs do "
+            'not rule out)' if entry.indistinguishable_from else '')
         for entry in effects if not entry.change)
     changed = ' '.join(_changed(entry) for entry in effects if entry.change)
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
@@ -71,7 +71,7 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
 def _changed(entry: Found) -> str:
     """Return a sentence for an effect that the rig has adopted."""
     others = ' or '.join(entry.indistinguishable_from)
-    rivals = f' (or there is {others}; these logs cannot tell)' if others else ''
+    rivals = f' (or there is {others}, which these logs do not rule out)' if others else ''
     return f'{entry.id} ({catalogue()[entry.id].title}), adopted before, {_did(entry)}{rivals}.'
 
 
@@ -94,10 +94,12 @@ def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
     untold = f', but not {listed(hidden, "or")}' if hidden else ''
     beside = f'; {listed(adopted)}, adopted before, ' + (
         'stay as they were' if len(adopted) > 1 else 'stays as it was') if adopted else ''
+    clean = ratios[worst] <= CLEAN_RATIO
     return (f'Nothing {missing}, as far as these logs show{beside}. They show the balances of '
             f'{listed([CHANNELS[name].title for name in ratios])}, and effects from the sizes '
-            f'below on{untold}. The model, calibrated within {known}, explains them down to the '
-            f'noise (worst held-out: {CHANNELS[worst].title}, {ratios[worst]:.2f} times).')
+            f'below on{untold}. The model, calibrated within {known}, explains them'
+            + (f' down to the noise (worst held-out: {CHANNELS[worst].title}, '
+               f'{ratios[worst]:.2f} times).' if clean else f'.{_stays(ratios)}'))
 
 
 def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> str:

@@ -17,7 +17,7 @@ from hst_drive.effects import catalogue, Effect, effect_of, Parameter
 from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
-from hst_drive.identify.conditions import faults_of, moved, prior
+from hst_drive.identify.conditions import faults_of, learnt, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import as_read, DELAY, delays_of, zeros_of
@@ -95,6 +95,11 @@ class Campaign:
     def commissioned_unit(self) -> bool:
         """Whether the machine's own numbers were learnt on other logs (``Rig.fingerprint``)."""
         return self.rig.fingerprint is not None
+
+    @property
+    def learnt(self) -> set[str]:
+        """Adopted effects that were found in logs, and are as far off their formulas."""
+        return learnt(self.rig)
 
     @property
     def sigmas(self) -> dict[str, float]:

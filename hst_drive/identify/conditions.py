@@ -167,6 +167,13 @@ def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
             if name != OIL_LAW or not rig.fingerprint}
 
 
+def learnt(rig: Rig) -> set[str]:
+    """Return the effects that were adopted from logs; others are the file's, as its tables are."""
+    told = {name for entry in rig.provenance.get('adopted') or () if isinstance(entry, dict)
+            for name in entry.get('intervals_95_percent') or ()}
+    return {name for name in rig.effects if name in told or name not in faults_of(rig)}
+
+
 def thinning(rig: Rig, runs: Sequence[Run]) -> float:
     """Return by what factor (log) the oil of some logs is thinner at its warmest."""
     cold, warm = rig.viscosity_ratio(np.array(reach_of('oil_temperature', runs)))

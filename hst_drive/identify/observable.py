@@ -85,8 +85,10 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 
 
 def unread(campaign: Campaign, name: str) -> str:
-    """Say which channel an effect follows that no log has; empty if there is none."""
+    """Say what an effect follows that no log has, or the rig file; empty if there is none."""
     effect = catalogue()[name]
+    if 'rated_pressure' in arguments(effect.function) and not campaign.rig.relief_valve:
+        return "needs the rig file's relief_valve"
     missing = sorted({_FROM[entry] for _, function in effect.terms
                       for entry in arguments(function) if entry in _FROM
                       and effect.own == effect.parameters

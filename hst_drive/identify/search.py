@@ -53,10 +53,10 @@ class Search:
         self.candidates = tuple(candidates)
         self.progress = progress
         self.base = calibrated(campaign)
-        # The same unit without what the rig has adopted: the errors that all effects take away.
+        # The same unit without what logs told of it: all that is taken away is off its formulas.
         self.bare = self.base._replace(errors=campaign.errors(replace(
-            self.base.model, effects={name: effect_of(name).neutral for name in campaign.adopted}
-        ))) if campaign.adopted else self.base
+            self.base.model, effects={name: effect_of(name).neutral for name in campaign.learnt}
+        ))) if campaign.learnt else self.base
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}

@@ -21,7 +21,7 @@ import numpy as np
 
 MOST = 0.5              # share of a recording that may be left out
 _START = 3.0            # s within which a drive may still break away from standstill
-_CAVITATING = 0.3e5     # Pa gauge
+CAVITATING = 0.3e5     # Pa gauge
 _AFTER = 1.0            # s that the ringing after each takes
 _FIRST, _SOON = 0.05, 0.3   # s: between the first rows and those shortly after
 _MOVED = 0.1            # of a reading: so much in that time and the drive was in motion before
@@ -105,7 +105,7 @@ def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:
     pressure = run.channels.get('pump_outlet_pressure')
     if pressure is None:
         return np.zeros(len(time), dtype=bool)
-    last = np.maximum.accumulate(np.where(pressure < _CAVITATING, np.arange(len(time)), -1))
+    last = np.maximum.accumulate(np.where(pressure < CAVITATING, np.arange(len(time)), -1))
     return (last >= 0) & (time - time[np.maximum(last, 0)] < _AFTER)
 
 

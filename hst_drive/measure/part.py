@@ -15,11 +15,13 @@ from functools import cached_property, partial
 from typing import Any, Callable, Mapping
 
 from hst_drive.channels import CHANNELS, PRESSURES, TORQUES
+from hst_drive.effects.entrained_air import ATMOSPHERE
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import closed, is_table, what_would_close
 from hst_drive.measure.circuit_balances import predicted
 from hst_drive.measure.equations import measured_state, source_of, Weak
 from hst_drive.measure.floor import part_floor
+from hst_drive.measure.judged import CAVITATING
 from hst_drive.measure.noise import steady_noise, surface_noise
 from hst_drive.measure.readings import bridged, earlier, gaps, later
 from hst_drive.measure.run import Run, shifted, usual_size, zeroed
@@ -219,7 +221,13 @@ class PartReplay:
         """Say in which rows a signal cannot be predicted."""
         if name not in TORQUES:
             return False
-        return np.abs(self._channels['motor_speed']) <= self._creeping
+        still = np.abs(self._channels['motor_speed']) <= self._creeping
+        inlet = self._channels.get('motor_inlet_pressure', np.array(np.inf))
+        low, vacuum = inlet < CAVITATING, inlet < -ATMOSPHERE
+        # A cavitating inlet does not tell what its hydromotor does. A gauge at the other port does;
+        # and what goes on to fall is a difference of both.
+        told = 'motor_outlet_pressure' in self._channels or 2 * vacuum.sum() >= low.sum()
+        return still if told else still | low
 
     def predict(self, model: PartModel,
                 extra: dict[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:

@@ -111,8 +111,7 @@ class PartModel:
         if 'oil_temperature' in known and 'viscosity_ratio' not in known:
             found['viscosity_ratio'] = rig.viscosity_ratio(known['oil_temperature'])
         if rig.relief_valve is not None:
-            found['relief_pressure'] = rig.relief_valve.set_pressure
-            found['rated_pressure'] = rig.relief_valve.set_pressure
+            found['relief_pressure'] = found['rated_pressure'] = rig.rated_pressure
         return found
 
     def terms(self, slot: str, known: Known) -> Any:

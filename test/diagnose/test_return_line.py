@@ -113,3 +113,24 @@ def test_the_plant_reads_it_with_a_usual_gauge(pressure):
     assert np.std(noisy[GAUGE]) == pytest.approx(0.12e5, rel=0.1)
     assert np.mean(noisy[GAUGE]) == pytest.approx(pressure, abs=0.01e5)
     assert set(noisy) == {GAUGE, 'motor_speed'}
+
+
+def test_what_a_cavitating_inlet_does_decides_nothing():
+    """Between a return pressure and a wrong zero of the gauge at the inlet, by 1000 nats."""
+    rig, random, time = default_rig(), np.random.default_rng(2), np.arange(6000) / 100
+    speed = 8 + 4 * np.sin(0.23 * time)
+    pressure = (80 + 40 * np.sin(0.4 * time) + 15 * np.sign(np.sin(1.3 * time))) * 1e5
+    cut = time % 20.0 < 0.4
+    pressure[cut] = -0.9e5
+    model = PartModel(rig, {'back_pressure': {
+        'outlet_pressure': RETURN, 'flow_share': 0.0, 'loss_share': 0.0}})
+    torque = model.motor_torque(model.complete({'motor_speed': speed, 'pressure': pressure,
+                                                'oil_temperature': np.full(6000, 323.15)}))
+    torque[cut] = (pressure[cut] - RETURN) * rig.motor.displacement
+    noise = random.standard_normal((3, 6000))
+    run = Run('bench', time, {
+        'motor_inlet_pressure': pressure + 0.5e5 * noise[0],
+        'motor_speed': speed + 0.02 * noise[1], 'motor_torque': torque + 2.0 * noise[2]})
+    result = diagnose(rig, [run])
+    effect, = result.effects
+    assert {'back_pressure', 'pressure_sensor_bias'} <= {effect.id, *effect.indistinguishable_from}
