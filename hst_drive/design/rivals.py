@@ -16,7 +16,7 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
 from hst_drive.identify.model import Model
 from hst_drive.load.loading_unit import LoadingUnit
-from hst_drive.load.scenario import parse_scenario
+from hst_drive.load.scenario import parse_scenario, Scenario
 from hst_drive.rig import Rig
 
 _TWINS = 2
@@ -106,7 +106,8 @@ class _Place:
     """What an explanation does on a plain drilling log, for others to take its place there."""
 
     def __init__(self, rig: Rig, lead: Model, channels: Iterable[str]):
-        self.lead, self.campaign = lead, _drilling(rig, lead, channels)
+        played = rehearse(driver(rig, lead), _plain_drilling(rig), 0)
+        self.lead, self.campaign = lead, Campaign(rig, [recorded(played, channels)])
         self.explained = self._cost(lead)
 
     def start(self, names: Sequence[str]) -> Model:
@@ -143,8 +144,7 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     others = [Model({**kept, name: catalogue()[name].typical}, models[0].factors)
               for name, effect in catalogue().items()
               if name not in tried and effect.searched == 'always']
-    play = parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
-    rehearsal = Rehearsal(rig, play, [models[0], *others], 0)
+    rehearsal = Rehearsal(rig, _plain_drilling(rig), [models[0], *others], 0)
     found = sorted((rehearsal.pair(0, place, channels).significance, place)
                    for place in range(1, len(others) + 1))
     near = [tuple(others[place - 1].effects) for sigma, place in found[:2 * _TWINS]
@@ -156,11 +156,8 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     return models + twins[:room]
 
 
-def _drilling(rig: Rig, model: Model, channels: Iterable[str]) -> Campaign:
-    content = scenario(plain_drilling(60.0), rig, False)
-    played = rehearse(driver(rig, model), parse_scenario(
-        content, LoadingUnit.of(rig.loading)), 0)
-    return Campaign(rig, [recorded(played, channels)])
+def _plain_drilling(rig: Rig) -> Scenario:
+    return parse_scenario(scenario(plain_drilling(60.0), rig, False), LoadingUnit.of(rig.loading))
 
 
 def _sizes(model: Model) -> list[tuple[str, str]]:

@@ -150,9 +150,7 @@ def _pressure(run: Run) -> np.ndarray:
 
 def driver(rig: Rig, model: Model) -> Drive:
     """Return a drive with a model's effects and factors."""
-    drive = Drive(rig, model.effects, max_step=5e-3)
-    drive.scale(model.scales)
-    return drive
+    return Drive(rig, max_step=5e-3).changed(model.effects, model.scales)
 
 
 def recorded(run: Run, channels: Iterable[str]) -> Run:

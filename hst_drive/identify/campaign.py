@@ -287,11 +287,8 @@ class Campaign:
 
     def driver(self, model: Model) -> Drive:
         """Return a drive with the model's effects and factors."""
-        drive = self.drive.copied()
+        drive = self.drive.changed(self.switched(model), model.scales)
         drive.zeros, drive.delays = as_read(self.rig, model)
-        drive.scale(model.scales)
-        for name, values in self.switched(model).items():
-            drive.switch_on(name, values)
         return drive
 
     def switched(self, model: Model) -> dict[str, dict[str, float]]:

@@ -12,7 +12,6 @@ from hst_drive.effects.slots import DRILLING_SPEED, LEAKS
 from hst_drive.identify.campaign import Campaign, ELSEWHERE, SETTLE
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import unread
-from hst_drive.identify.zeros import as_read
 from hst_drive.measure.balances import is_part, lacking
 from hst_drive.measure.circuit_balances import balances_of
 from hst_drive.measure.part import PartReplay
@@ -106,12 +105,6 @@ class PartCampaign(Campaign):
         return self.of_logs(all_to_fit=not self._named)._changed(open_forms=False, floors=[
             {name: floor * max(left.get(name, 1.0), 1.0) for name, floor in floors.items()}
             for floors in self.floors])
-
-    def driver(self, model: Model) -> PartModel:
-        """Return a part with the model's effects and factors."""
-        part = self.drive.changed(self.switched(model), model.scales)
-        part.zeros, part.delays = as_read(self.rig, model)
-        return part
 
     def to_record(self, models: Sequence[Model]) -> str:
         """Say what to record next, to tell a model from others that explain these logs as well."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Iterable, Iterator, Sequence, TYPE_CHECKING
 
 from hst_drive.channels import PRESSURES
-from hst_drive.effects import catalogue, flexible
+from hst_drive.effects import effect_of, flexible
 from hst_drive.effects.base import FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.columns import Column
@@ -151,8 +151,7 @@ def _over_own(campaign: Campaign, fit: Fit) -> Sequence[np.ndarray]:
 
 def formula_error(names: Iterable[str]) -> float:
     """Return by which share of what they do effects may be off their formulas."""
-    known = catalogue(everything=True)
-    return max((known[name].formula_error for name in names), default=FORMULA_ERROR)
+    return max((effect_of(name).formula_error for name in names), default=FORMULA_ERROR)
 
 
 def _listed(search: Search, fitted: Fit) -> tuple[str, ...]:

@@ -106,8 +106,8 @@ class CircuitReplay(PartReplay):
 
     def _where(self, run: Run, model: CircuitModel, balance: Balance) -> np.ndarray:
         """Say in which rows a balance is judged: what it hangs on is true."""
-        needed = [part.when for part in balance.parts]
-        if not all(needed):
+        needed = balance.conditions
+        if not needed:
             return np.ones(len(run), dtype=bool)
         known = {key: filled(values, hold=CHANNELS[key].hold == 'zero')
                  for key, values in run.channels.items()}

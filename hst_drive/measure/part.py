@@ -224,8 +224,8 @@ class PartReplay:
         still = np.abs(self._channels['motor_speed']) <= self._creeping
         inlet = self._channels.get('motor_inlet_pressure', np.array(np.inf))
         low, vacuum = inlet < CAVITATING, inlet < -ATMOSPHERE
-        # A cavitating inlet does not tell what its hydromotor does. A gauge at the other port does;
-        # and what goes on to fall is a difference of both.
+        # A cavitating inlet does not tell what its hydromotor does, but beside an outlet's gauge.
+        # What goes on to fall is a difference of both ports.
         told = 'motor_outlet_pressure' in self._channels or 2 * vacuum.sum() >= low.sum()
         return still if told else still | low
 

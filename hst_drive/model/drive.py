@@ -88,8 +88,15 @@ class Drive:
 
     def with_effect(self, name: str, values: Mapping[str, float]) -> Drive:
         """Return a drive with one effect more, or with other parameters (SI) for it."""
+        return self.changed({name: values}, {})
+
+    def changed(self, effects: Mapping[str, Mapping[str, float]],
+                factors: Mapping[str, float]) -> Drive:
+        """Return a drive with these effects beside its own, and factors on this unit's."""
         changed = self.copied()
-        changed.switch_on(name, values)
+        changed.scale(factors)
+        for name, values in effects.items():
+            changed.switch_on(name, values)
         return changed
 
     def without(self, slot: str) -> Drive:

@@ -139,8 +139,8 @@ class Samples:
 
     def _holds(self, balance: Balance) -> bool:
         """Say whether what a balance hangs on is true, now and shortly before."""
-        needed = [part.when for part in balance.parts]
-        if not needed or not all(needed):
+        needed = balance.conditions
+        if not needed:
             return True
         around = self._time > self._time[np.flatnonzero(self.level)[0]] - CHANGES
         return bool(np.all(np.any([self.known[when][around] >= 1.0 for when in needed], axis=0)))

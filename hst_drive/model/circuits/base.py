@@ -90,6 +90,12 @@ class Balance(NamedTuple):
     without: tuple[str, ...] = ()
 
     @property
+    def conditions(self) -> tuple[str, ...]:
+        """Quantities of which one must be at least 1; none where a part always counts."""
+        needed = tuple(part.when for part in self.parts)
+        return needed if all(needed) else ()
+
+    @property
     def unit(self) -> str:
         """SI unit of what is missing."""
         return 'm^3/s' if self.swept else CHANNELS[self.groups[0][0]].unit
