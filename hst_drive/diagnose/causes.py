@@ -19,13 +19,13 @@ from typing import Callable, Container, Iterator, Mapping, NamedTuple
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.dependence import STATIC
 from hst_drive.diagnose.free_forms import (
-    as_unknown, better, beyond_noise, FreeForm, PATIENT, Trial, with_start)
+    as_unknown, better, beyond_noise, FreeForm, Trial, with_start)
 from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import at_limit, Fit, fit, limited
+from hst_drive.identify.fit import at_limit, Fit, fit, limited, PATIENT
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import BEAM, Candidate, Search
 from hst_drive.measure.threads import each

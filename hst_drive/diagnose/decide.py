@@ -22,7 +22,7 @@ from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_re
 from hst_drive.effects import effect_of
 from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.errors import InputError
-from hst_drive.identify.alternatives import alternatives
+from hst_drive.identify.alternatives import alternatives, RIVALS_TRIED
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
 from hst_drive.identify.evidence import decided
@@ -264,7 +264,7 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
     standing = {entry for group in rivals.values() for entry in group}
     named = 'what was found' if len(best.names) > 1 else best.names[0]
     told = {}
-    nearest = [search.single(entry.id) for entry in ranking[:6]
+    nearest = [search.single(entry.id) for entry in ranking[:RIVALS_TRIED]
                if entry.id not in best.names and entry.id not in standing]
     for entry, value in zip(nearest, log_odds(search, [best, *nearest])[1:]):
         ratios = search.campaign.ratios(entry.fit.errors, True)

@@ -21,7 +21,6 @@ from hst_drive.identify.weigh import log_odds_unlisted
 import numpy as np
 
 REST = 0.25            # of the excess squared error: who leaves more explains something else
-PATIENT = 8             # steps of a fit that begins far from where it ends
 _START = 1e-3           # of a formula's typical size: where its fit starts
 
 

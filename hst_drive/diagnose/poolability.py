@@ -11,10 +11,10 @@ is explained, but not all by one unit, they may be of several drives.
 from __future__ import annotations
 
 from hst_drive.diagnose.causes import misreadings
-from hst_drive.diagnose.free_forms import PATIENT, with_start
+from hst_drive.diagnose.free_forms import with_start
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.fit import Fit, fit, PATIENT
 from hst_drive.identify.judge import parts, unexplained
 
 

@@ -12,7 +12,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 import numpy as np
 
-_RIVALS_TRIED = 6
+RIVALS_TRIED = 6
 
 
 def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
         fewer = search.try_all([(others, kept)], 'trying rivals')[0]
         share = {entry: found for found, entry in score_test(search, fewer)}
         singles.sort(key=lambda entry: -share[entry])
-    tried = dict.fromkeys((*singles[:_RIVALS_TRIED], *alike))
+    tried = dict.fromkeys((*singles[:RIVALS_TRIED], *alike))
     # Alone they were fitted from a unit that was calibrated without any effect: try from here.
     found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',
                            again=True)

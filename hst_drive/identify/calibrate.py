@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.fit import Fit, fit, PATIENT
 from hst_drive.identify.judge import excess, PRACTICAL
 from hst_drive.identify.model import Model
 import numpy as np
@@ -29,7 +29,7 @@ def calibrated(campaign: Campaign) -> Fit:
     worst = np.argsort(-np.bincount(block, campaign.training(plain.errors)**2))
     spoilt = blocks[worst[:int(np.ceil(campaign.events * len(blocks)))]]
     calm = ~np.isin(number, spoilt)
-    found = fit(campaign.without_blocks(spoilt), plain.model, iterations=8,
+    found = fit(campaign.without_blocks(spoilt), plain.model, iterations=PATIENT,
                 known={name: column[calm] for name, column in plain.columns.items()})
     trimmed = fit(campaign, found.model, iterations=0)
     if not (_fits(campaign, trimmed) and _is_one_event(campaign, trimmed)):

@@ -25,6 +25,7 @@ import numpy as np
 # drive rings: with steps that shift the ringing by a part of its period the fit gets stuck.
 _NUDGE, _NUDGE_EFFECT = 0.05, 0.02
 _TRIES = 4      # dampings of a step of all unknowns
+PATIENT = 8     # steps of a fit that begins far from where it ends
 _MOST, _FALLS = 20, 0.1     # steps; of the cost, that a step beyond those asked for must gain
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 FORM = 0.04     # of a size, relative standard deviation: no machine follows a formula exactly

@@ -8,14 +8,14 @@ from typing import Iterator, Mapping, Sequence
 
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import fit
+from hst_drive.identify.fit import fit, PATIENT
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.model import Model
 from hst_drive.identify.phases import strongest_orders
 import numpy as np
 
 _ALIKE = 1e-3   # of the cost: two starts that differ by less lead to the same place
-_MANY, _NEAR, _STEPS = 10, 4, 8     # starts; of more the nearest are fitted to the load first
+_MANY, _NEAR = 10, 4     # starts; of more the nearest are fitted to the load first
 _LESS = 0.3     # of its typical size, where it is tried, too
 _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
@@ -138,5 +138,5 @@ def _near(campaign: Campaign, base: Model, models: Sequence[Model]) -> list[Mode
 
     bare, without = [Model(model.effects) for model in models], left(Model(base.effects))
     off = [left(model) for model in bare]
-    return [fit(load, bare[index], iterations=_STEPS).model for index in np.argsort(off)[:_NEAR]
+    return [fit(load, bare[index], iterations=PATIENT).model for index in np.argsort(off)[:_NEAR]
             if off[index] < without]

@@ -94,6 +94,11 @@ class Coloured(NamedTuple):
     time_constant: float
     noise_std: float
 
+    @classmethod
+    def white(cls, noise: float) -> Coloured:
+        """Return white noise alone; what is not there has a usual time constant."""
+        return cls(0.0, 0.3, noise)
+
 
 def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Coloured:
     """
@@ -115,7 +120,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     lags = np.unique(np.maximum(np.round(np.geomspace(step, 1.0, 20) / step), 1).astype(int))
     lags = lags[lags < len(values) // 8]
     if len(lags) < 3:
-        return Coloured(0.0, 0.3, noise)
+        return Coloured.white(noise)
     growth, size = [], _block_size(step)
     for lag in lags:
         squares = (values[lag:] - values[:-lag])**2
@@ -124,7 +129,7 @@ def estimate_coloured(time: np.ndarray, values: np.ndarray, noise: float) -> Col
     half = 0.5 * np.array(growth)
     top = float(half.max())
     if top < 1e-100:
-        return Coloured(0.0, 0.3, 0.0)
+        return Coloured.white(0.0)
     half, most = half / top, noise**2 / top
     short = lags * step < _SHORT
     (_, misfit), *smooth = (_fitted(lags[short] * step, half[short], 0.0, most, second)
@@ -179,7 +184,7 @@ def _fitted(lags: np.ndarray, half: np.ndarray, least: float, most: float,
     ``second`` is the time constant of a second pole over that of the first.
     """
     weights = 1 / np.maximum(half, 1e-2)
-    best, error = Coloured(0.0, 0.3, math.sqrt(most)), np.inf
+    best, error = Coloured.white(math.sqrt(most)), np.inf
     for constant in np.geomspace(0.03, 2.0, 25):
         if 0.0 < second * constant < 2.0 * lags[0]:
             continue    # of so few rows that nothing tells it from white noise

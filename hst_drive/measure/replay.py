@@ -140,7 +140,7 @@ class Replay(RecordedLoad):
         """Find the noise, and the part of the load that the model does not explain."""
         self.can_correct = False
         self.simulated = True
-        self.roughness = Coloured(0.0, 0.3, 0.0)
+        self.roughness = Coloured.white(0.0)
         run = self.run
         if self.torque:
             self._measured = filled(run[self.torque])
