@@ -13,7 +13,7 @@ from typing import Sequence
 
 from hst_drive.diagnose.dependence import (
     depends_on, expression, regress, samples, STATIC)
-from hst_drive.diagnose.isolate import locate, Location, only_read, sizes
+from hst_drive.diagnose.isolate import locate, only_read, sizes
 from hst_drive.diagnose.result import Formula, Unknown, Value
 from hst_drive.effects.formula import FORMULAS, values
 from hst_drive.identify.campaign import Campaign
@@ -48,15 +48,15 @@ def describe(campaign: Campaign, model: Fit) -> Unknown | None:
     if any(name not in STATIC for term in terms for name in term['variables']):
         static = regress(data, STATIC.__contains__)[0]
     name = location.formula
-    carried = _carry(campaign, model, name, static, 1.0) if name else None
+    carried = _carry(campaign, model, name, static) if name else None
     if carried and name == 'formula_torque' and not campaign.by_balance and only_read(
             campaign, model, location.moves):
-        per_torque = -location.moves[location.signal]
-        reading = _carry(campaign, model, _READING, static, per_torque)
+        per_torque = location.moves[location.signal]
+        reading = _carry(campaign, model, _READING, _scaled(static, per_torque))
         if reading and score(campaign, reading) < score(campaign, carried):
             # The same error with the leakage unmoved: the reading is off, not the torque.
-            name, carried = _READING, reading
-            location, terms = _reading(location, terms, per_torque)
+            name, carried, terms = _READING, reading, _scaled(terms, per_torque)
+            location = location._replace(name='pressure reading', enters='sensor', unit='Pa')
     enters = location.enters
     if location.formula == 'formula_pump_flow' and _by_command(depends, terms):
         enters = 'pump_actuator'
@@ -71,23 +71,18 @@ def _by_command(depends: Sequence[str], terms: Sequence[dict]) -> bool:
     return moving or tuple(depends) == ('pump_command',)
 
 
-def _reading(location: Location, terms: Sequence[dict],
-             factor: float) -> tuple[Location, list[dict]]:
-    """Return the location and the terms of a pressure reading instead of a torque."""
-    scaled = [{**term, 'coefficient': -term['coefficient'] * factor,
-               'low': -term['high'] * factor, 'high': -term['low'] * factor} for term in terms]
-    return location._replace(name='pressure reading', enters='sensor', unit='Pa'), scaled
+def _scaled(terms: Sequence[dict], factor: float) -> list[dict]:
+    """Return terms times a factor below 0."""
+    return [{**term, 'coefficient': factor * term['coefficient'], 'low': factor * term['high'],
+             'high': factor * term['low']} for term in terms]
 
 
-def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict],
-           factor: float) -> Fit | None:
+def _carry(campaign: Campaign, model: Fit, name: str, terms: Sequence[dict]) -> Fit | None:
     """Fit the model with a formula as an effect; None if there is nothing to carry."""
     if not terms or name in campaign.rig.effects:
         return None
-    sign = -factor if name == _READING else factor
     try:
-        start = values(name, [(sign * term['coefficient'], [STATIC[key] for key in
-                                                            term['variables']])
+        start = values(name, [(term['coefficient'], [STATIC[key] for key in term['variables']])
                               for term in terms])
     except KeyError:
         # A variable that is not known where the formula enters.
