@@ -82,4 +82,4 @@ def is_bag(path: str | os.PathLike[str]) -> bool:
         return (path.is_dir() or is_mcap(path)
                 or path.suffix in ('.mcap', '.db3', '.zstd') and path.stat().st_size > 0)
     except OSError as error:
-        raise InputError(f'{path}: cannot be read: {error.strerror}') from None
+        raise InputError(f'{path}: cannot be read: {error.strerror}; check the path') from None

@@ -99,10 +99,10 @@ def _interruptions(time: np.ndarray, source: str) -> list[str]:
     longest = holes[np.argmax(steps[holes])]
     # A table of operating points is bridged by nothing.
     if steps[longest] > _LONGEST_HOLE and np.median(steps) < SLOWEST:
-        raise InputError(f'{source}: no samples for {steps[longest]:.3g} s after '
+        raise InputError(f'{source}: no samples for {steps[longest]:.6g} s after '
                          f'{time[longest]:g} s; expected at most {_LONGEST_HOLE:g} s: mend the '
                          'time stamps, or give what lies before and after as logs of their own')
-    return [f'no samples for {steps[longest]:.3g} s after {time[longest]:g} s'
+    return [f'no samples for {steps[longest]:.6g} s after {time[longest]:g} s'
             + (f' and in {len(holes) - 1} more places' if len(holes) > 1 else '')
             + '; the replay bridges it with the last commands']
 

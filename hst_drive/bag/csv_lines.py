@@ -15,7 +15,7 @@ def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f'{path}: cannot be read: {error.strerror}') from None
+        raise InputError(f'{path}: cannot be read: {error.strerror}; check the path') from None
     if not data.strip():
         raise InputError(f'{path}: the file is empty; expected a header and rows of data')
     if b'\0' in data[:4096]:

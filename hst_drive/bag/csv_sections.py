@@ -109,7 +109,7 @@ def _blocks(path: Path, channel_map: ChannelMap, notes: list[str]) -> Iterator[
                     start = time[0] if layout.dated else 0.0
                 yield time - start, channels
     except OSError as error:
-        raise InputError(f'{path}: cannot be read: {error.strerror}') from None
+        raise InputError(f'{path}: cannot be read: {error.strerror}; check the path') from None
 
 
 def _encoding(path: Path) -> str:

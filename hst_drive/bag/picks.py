@@ -106,7 +106,7 @@ def mapped_pick(entry: Entry, streams: Sequence[Stream], source: str) -> tuple[S
     by_name = {stream.topic: stream for stream in streams}
     if topic not in by_name:
         near = get_close_matches(topic, by_name, n=1)
-        hint = f'did you mean {near[0]}?' if near else f'It holds: {_list(streams)}'
+        hint = f'did you mean {near[0]}?' if near else f'it holds: {_list(streams)}'
         raise InputError(f'{where}: the bag has no topic {topic}; {hint}')
     stream = by_name[topic]
     if stream.encoding != 'cdr' or stream.schema_encoding not in ('ros2msg', ''):

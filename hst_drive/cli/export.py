@@ -48,6 +48,9 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.model import Drive
     from hst_drive.rig import load_rig
 
+    if not args.output.endswith('.fmu'):
+        raise InputError(f'{args.output}: is no name of an FMU, which other tools would load; '
+                         'let it end with .fmu')
     refuse_to_replace(args.output, args.force)
     drive = Drive(load_rig(args.rig))
     try:

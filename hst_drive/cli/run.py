@@ -68,15 +68,17 @@ def run(args: argparse.Namespace) -> int:
     for note in plan.notes:
         say(f'note: {note}')
     say(f'{plan.title}: {plan.duration:g} s, recording to {plan.output}')
-    faults = set()
+    faults: list[str] = []
 
     def heard(name: str, line: str) -> None:
         # A fault is told again with each state of the stop that it brings about.
         fault = line.rpartition(']: ')[2].rpartition(';')[0]
         if args.verbose:
             say(f'  {name}: {line}')
+        if name == 'run':
+            say(f'note: {line}')
         elif name == 'controller' and '[ERROR]' in line and fault not in faults:
-            faults.add(fault)
+            faults.append(fault)
             say(f'note: the controller stopped the drive: {fault}')
 
     try:
@@ -84,6 +86,7 @@ def run(args: argparse.Namespace) -> int:
     except RunFailed as problem:
         say(f'hst-drive run: {problem}')
         return 1
+    result['controller_stopped'] = faults
     if args.json:
         write_json(result, args.json)
     if args.json != '-':
@@ -116,6 +119,7 @@ def report(result: dict) -> str:
                   f"at {speed['worst_at']:.2f} s"),
                  ('counted from', f"{speed['from']:.2f} s, when the set point was reached; "
                   'after each jump of it, when it was reached again')]
+    rows += [('the controller stopped the drive', fault) for fault in result['controller_stopped']]
     where = f"bag: {result['bag']}" if result['bag'] else 'nothing was recorded'
     head = 'interrupted; the bag is complete up to there\n' if result['interrupted'] else ''
     cells = [(name, value if isinstance(value, str) else f'{value:g}') for name, value in rows]

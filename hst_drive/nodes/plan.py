@@ -99,7 +99,7 @@ def make_plan(options: Options) -> Plan:
 
     """
     rig = load_rig(options.rig)
-    nodes = wiring.nodes_of(rig.circuit)
+    nodes = wiring.nodes_of(rig.circuit, rig.source)
     scenario = load_scenario(options.scenario, rig, options.log, options.channels,
                              read_recording)
     duration = scenario.duration if options.duration is None else options.duration
@@ -111,6 +111,9 @@ def make_plan(options: Options) -> Plan:
             ('--effects-from', options.effects_from, 0.0, 1e7), ('--seed', seed, 0, 2**31 - 1)):
         if not low <= value <= high:
             raise InputError(f'{name} {value:g}: expected {low:g} to {high:g}')
+    if options.effects_from >= duration:
+        raise InputError(f'--effects-from {options.effects_from:g}: the run ends after '
+                         f'{duration:g} s; choose an earlier time')
     if options.priority and not options.realtime:
         raise InputError(f'--priority {options.priority}: is for --realtime; simulated time waits '
                          'for whoever is late: leave it out, or add --realtime')

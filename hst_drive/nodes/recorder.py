@@ -56,6 +56,10 @@ class Recorder(DriveNode):
         settings = self.settings
         if not settings['output']:
             raise InputError('recorder: parameter output is empty; name the folder to create')
+        wrong = [name for name in settings['topics'] if not name.startswith('/')]
+        if wrong:
+            raise InputError(f"recorder: parameter topics holds '{wrong[0]}', expected full names "
+                             f"of topics; write '/{wrong[0]}'")
         nodes = self.partners or wiring.NODES
         self.taken = wiring.recorded(nodes, settings['extra_topics'], settings['truth'],
                                      settings['circuit'])

@@ -27,6 +27,7 @@ PARENT = 'HST_DRIVE_PARENT'
 _PATIENCE = {'recorder': 15.0}
 _DEFAULT_PATIENCE = 5.0
 _LINES = 20
+_LAST_DOMAIN = 232      # of ROS 2: the ports of more do not exist
 
 
 class NodeDied(Exception):
@@ -41,13 +42,14 @@ class NodeDied(Exception):
         super().__init__(f'node {name} {how}')
 
 
-def environment(locks: ExitStack) -> dict[str, str]:
+def environment(locks: ExitStack,
+                note: Callable[[str], None] = lambda text: None) -> dict[str, str]:
     """
     Return the environment of the nodes: what the user has set stays.
 
     Without ROS_DOMAIN_ID the run gets a domain of its own, held through a lock in ``locks``, so
-    that two runs on a machine do not hear each other. With it, runs may share that domain, and
-    no run without it gets it.
+    that two runs on a machine do not hear each other. With it, runs may share that domain, of
+    which the later is told (``note``), and no run without it gets it.
 
     Raises
     ------
@@ -70,8 +72,9 @@ def environment(locks: ExitStack) -> dict[str, str]:
     profile = share('config', 'fastdds_local.xml')
     if profile.is_file() and env['ROS_AUTOMATIC_DISCOVERY_RANGE'] == 'LOCALHOST':
         env.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(profile))
-    if 'ROS_DOMAIN_ID' in env:
-        _share_domain(locks, env['ROS_DOMAIN_ID'])
+    chosen = env.get('ROS_DOMAIN_ID', '').strip()
+    if chosen:
+        _share_domain(locks, chosen, note)
     else:
         env['ROS_DOMAIN_ID'] = str(free_domain(locks))
     return env
@@ -99,11 +102,20 @@ def free_domain(locks: ExitStack) -> int:
     raise InputError('100 runs are going on; set ROS_DOMAIN_ID or end some')
 
 
-def _share_domain(locks: ExitStack, domain: str) -> None:
+def _share_domain(locks: ExitStack, domain: str, note: Callable[[str], None]) -> None:
     """Keep other runs out of a domain that the user has chosen, but for those told to use it."""
-    if domain.strip().isdecimal():
-        # It waits only for another run's look at this lock.
-        locks.enter_context(_lock(int(domain), 'chosen', fcntl.LOCK_SH))
+    if not domain.isdecimal():
+        return      # which ROS says by itself
+    if int(domain) > _LAST_DOMAIN:
+        raise InputError(f"ROS_DOMAIN_ID is '{domain}', expected 0 to {_LAST_DOMAIN}")
+    # It waits only for another run's look at this lock.
+    locks.enter_context(_lock(int(domain), 'chosen', fcntl.LOCK_SH))
+    first = _lock(int(domain), 'run', fcntl.LOCK_EX | fcntl.LOCK_NB)
+    if first is None:
+        note(f'another run is in ROS_DOMAIN_ID {domain}, and both hear each other; end one, give '
+             'another number, or unset it')
+    else:
+        locks.enter_context(first)
 
 
 def _lock(domain: int, kind: str, how: int) -> IO[str] | None:
@@ -195,7 +207,7 @@ class Session:
     def __enter__(self) -> Session:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory(prefix='hst_drive_')))
         try:
-            env = environment(self._stack)
+            env = environment(self._stack, lambda text: self._on_error('run', text))
             if not _can_log(env):
                 env['ROS_LOG_DIR'] = str(folder / 'log')
             path = folder / 'run.yaml'

@@ -142,7 +142,9 @@ def alarm(verdict: Verdict, origin: int, command: str, unseen: Sequence[str],
                      f'{(verdict.until - origin) / BILLION:.1f} s of the run',
         'diagnose': command,
         'not_watched': ', '.join(unseen)}
-    return f'{title} fails since {began:.0f} s{size}{guess}', values
+    lasting = (verdict.until - verdict.began) / BILLION
+    return (f'{title} fails since {began:.0f} s of the run, for {lasting:.0f} s{size}{guess}',
+            values)
 
 
 def _stamp(stamp: int) -> str:

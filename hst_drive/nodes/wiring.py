@@ -41,7 +41,7 @@ CIRCUITS = ('open', 'closed')
 """Circuits that the nodes can run."""
 
 
-def nodes_of(circuit: str) -> tuple[str, ...]:
+def nodes_of(circuit: str, source: str) -> tuple[str, ...]:
     """
     Return the nodes of a run.
 
@@ -52,7 +52,8 @@ def nodes_of(circuit: str) -> tuple[str, ...]:
 
     """
     if circuit not in CIRCUITS:
-        raise InputError(f"'circuit: {circuit}': the nodes run {' and '.join(CIRCUITS)}")
+        raise InputError(f"{source}: 'circuit: {circuit}': the nodes run {' and '.join(CIRCUITS)} "
+                         "ones; give the rig of one, or judge logs of this with 'diagnose'")
     return NODES
 
 

@@ -106,9 +106,11 @@ def sentence(result: Comparison) -> str:
     """Say how well the model fits."""
     worst, ratio = _worst(result)
     logs = f'{len(result.logs)} logs' if len(result.logs) > 1 else result.logs[0].run.name
+    judged = sum(entry.samples > 0 for entry in result.signals.values())
+    which = 'worst' if judged > 1 else 'judged by one signal alone'
     if ratio <= _CLEAR:
         return f"{logs}: '{result.rig}' explains the measurements down to the noise " \
-               f'(worst: {CHANNELS[worst].title}, {ratio:.2f} x floor).'
+               f'({which}: {CHANNELS[worst].title}, {ratio:.2f} x floor).'
     return f"{logs}: '{result.rig}' does not explain the measurements: the error of " \
            f'{CHANNELS[worst].title} is {ratio:.1f} times what a perfect model would show.'
 

@@ -19,7 +19,7 @@ from hst_drive.effects.slots import READABLE
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.part import PartModel
 from hst_drive.rig.rig import OPEN
-from hst_drive.watch.calibration import Calibration, LIMIT
+from hst_drive.watch.calibration import Calibration
 from hst_drive.watch.residuals import Block
 import numpy as np
 
@@ -177,9 +177,6 @@ def likely(signatures: Signatures, blocks: list[Block], known: Calibration,
         square, along = float(column @ left), float(left @ error)
         if square <= 1e-12 * float(column @ column) or not square:
             continue
-        unit = known.unit + absorb @ (error - along / square * column)
-        if np.any(np.abs(unit) > 1.001 * LIMIT * known.spread):
-            continue    # explains only together with a unit that nobody would deliver
         amount = signatures.adopted(name, fitted) + along / square * size[fitted]
         share = along**2 / square / max(total, 1e-30)
         low, high = signatures.bounds(name, fitted)

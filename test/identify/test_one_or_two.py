@@ -11,7 +11,7 @@ from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.rig import default_rig
 from hst_drive.rig.rig import Sensor
-from hst_drive.rig.schema import DOUBTED_WAVES, WAVES
+from hst_drive.rig.schema import DOUBTED, WAVES
 import numpy as np
 import pytest
 
@@ -88,10 +88,10 @@ def test_what_the_rig_file_says_of_the_curve_is_not_doubted():
     runs = [record(3, duration=12.0)]
     tolerances = Campaign(rig, runs).doubted().tolerances
     assert tolerances[WAVES[0]] == 0.004 and WAVES[1] not in tolerances
-    assert tolerances[WAVES[2]] == DOUBTED_WAVES[WAVES[2]]
-    known = replace(rig, tolerances={**rig.tolerances, **dict.fromkeys(WAVES, 0.0)})
+    assert tolerances[WAVES[2]] == DOUBTED[WAVES[2]]
+    known = replace(rig, tolerances={**rig.tolerances, **dict.fromkeys(DOUBTED, 0.0)})
     other = Campaign(known, runs).doubted()
-    assert other.delays and not {*WAVES} & {*other.tolerances}
+    assert other.delays and not {*DOUBTED} & {*other.tolerances}
     exact = {name: replace(known.sensors.get(name, Sensor(0.0)), delay_std=0.0)
              for name in other.replays[0].noise}
     assert Campaign(replace(known, sensors={**known.sensors, **exact}), runs).doubted() is None

@@ -66,9 +66,11 @@ def test_each_run_has_a_domain_of_its_own(taken, monkeypatch):
 def test_a_domain_that_users_chose_is_theirs_together(taken, monkeypatch):
     monkeypatch.setenv('ROS_DOMAIN_ID', '17')
     with ExitStack() as one:
+        notes = []
         with ExitStack() as other:
             for locks in (one, other):
-                assert environment_of_run(locks)['ROS_DOMAIN_ID'] == '17'
+                assert environment_of_run(locks, notes.append)['ROS_DOMAIN_ID'] == '17'
+        assert len(notes) == 1 and 'another run is in ROS_DOMAIN_ID 17' in notes[0]
         assert sorted([17, *taken()]) == list(range(1, 101))
 
 
@@ -79,6 +81,15 @@ def test_a_user_may_choose_the_domain_of_a_run_and_keeps_it(taken, monkeypatch):
             monkeypatch.setenv('ROS_DOMAIN_ID', str(mine))
             environment_of_run(chosen)
         assert mine not in taken()
+
+
+def test_a_number_that_is_no_domain_is_refused_and_none_is_none(taken, monkeypatch):
+    with ExitStack() as locks:
+        monkeypatch.setenv('ROS_DOMAIN_ID', '500')
+        with pytest.raises(InputError, match="ROS_DOMAIN_ID is '500', expected 0 to 232"):
+            environment_of_run(locks)
+        monkeypatch.setenv('ROS_DOMAIN_ID', '')
+        assert 1 <= int(environment_of_run(locks)['ROS_DOMAIN_ID']) <= 100
 
 
 def test_the_domain_of_these_tests_is_held():
