@@ -3,14 +3,13 @@
 """The explanations that a test has to tell apart."""
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Iterable, NamedTuple, Sequence
 
 from hst_drive.design.rehearse import rehearse
 from hst_drive.design.separation import (
     CLEAR, driver, recorded, Rehearsal, within_limits)
 from hst_drive.design.trials import plain_drilling, scenario
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, unknown_effect
 from hst_drive.errors import InputError
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import fit
@@ -60,9 +59,7 @@ def by_name(names: Sequence[str], channels: Iterable[str] = (),
     """
     for name in names:
         if name not in catalogue():
-            near = get_close_matches(name, catalogue(), n=1)
-            hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
-            raise InputError(f"effects: unknown effect '{name}'; {hint}")
+            raise InputError(f'effects: {unknown_effect(name)}')
     names = tuple(dict.fromkeys(names))
     if len(names) < 2:
         raise InputError('effects: expected at least two effects to tell apart, with commas '

@@ -8,6 +8,7 @@ names an ``Effect``.
 """
 from __future__ import annotations
 
+from difflib import get_close_matches
 from functools import lru_cache
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -52,6 +53,14 @@ def effect_of(name: str) -> Effect:
 def flexible(names: Iterable[str]) -> bool:
     """Say whether one of some effects is a shaft that twists."""
     return any(effect_of(name).slot == 'shaft_compliance' for name in names)
+
+
+def unknown_effect(name: object, *others: str) -> str:
+    """Say that there is no such effect; the nearest (or other) name, or why it was left out."""
+    near = get_close_matches(str(name), [*_found()[0], *others], n=1)
+    hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
+    hint = next((line for line in left_out() if f"'{name}'" in line), hint)
+    return f"unknown effect '{name}'; {hint}"
 
 
 def left_out() -> tuple[str, ...]:

@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 import math
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, unknown_effect
 from hst_drive.errors import InputError
 from hst_drive.fleet.track import CHANGE, OIL, one_way
 from hst_drive.units import si_unit, to_si, UnitError
@@ -58,9 +57,7 @@ def read_entry(key: str, value: str, source: str) -> tuple[tuple[str, str], floa
     name, _, parameter = key.partition('.')
     known = catalogue(everything=True)
     if name not in known:
-        near = get_close_matches(name, [*known, OIL], n=1)
-        raise InputError(f"{source}: unknown effect '{name}'; " + (
-            f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"))
+        raise InputError(f'{source}: {unknown_effect(name, OIL)}')
     size = known[name].size
     if parameter not in ('', size.name):
         raise InputError(f"{source}: '{key}' is not the size of {name}; what is followed is "

@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 import copy
-from difflib import get_close_matches
 from typing import Any, Mapping
 
-from hst_drive.effects import catalogue, effect_of, flexible, left_out
+from hst_drive.effects import catalogue, effect_of, flexible, unknown_effect
 from hst_drive.effects.base import arguments
 from hst_drive.errors import InputError
 from hst_drive.model.compose import kernel, OUTPUTS, STATES
@@ -35,10 +34,7 @@ def check_effect(rig: Rig, name: str, values: Mapping[str, float] | None) -> dic
     """
     effects = catalogue(everything=True)
     if name not in effects:
-        near = get_close_matches(name, effects, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else "see 'hst-drive effects'"
-        hint = next((line for line in left_out() if f"'{name}'" in line), hint)
-        raise InputError(f"{rig.source or 'effects'}: unknown effect '{name}'; {hint}")
+        raise InputError(f"{rig.source or 'effects'}: {unknown_effect(name)}")
     known = {parameter.name: parameter for parameter in effects[name].parameters}
     for key in values or {}:
         if key not in known:

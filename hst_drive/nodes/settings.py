@@ -9,7 +9,7 @@ import math
 import re
 from typing import Any
 
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, unknown_effect
 from hst_drive.effects.base import Parameter
 from hst_drive.errors import InputError
 from hst_drive.rig import load_rig, Rig
@@ -65,11 +65,16 @@ def parse_effects(texts: Iterable[str]) -> dict[str, dict[str, float]]:
             raise InputError(f"effect '{text}': expected id.parameter=value or "
                              'id.parameter=value[unit]')
         name, parameter, value, unit = match.groups()
-        _known('effect', name, catalogue(), text)
+        if name not in catalogue():
+            raise InputError(f"effect '{text}': {unknown_effect(name)}")
         values = effects.setdefault(name, {})
         if parameter:
             declared = {entry.name: entry for entry in catalogue()[name].parameters}
-            _known(f'parameter of {name}', parameter, declared, text)
+            if parameter not in declared:
+                near = get_close_matches(parameter, declared, n=1)
+                hint = f"did you mean '{near[0]}'?" if near else f'known: {", ".join(declared)}'
+                raise InputError(f"effect '{text}': unknown parameter of {name} '{parameter}'; "
+                                 f'{hint}')
             number = _number(text, value, unit, declared[parameter].unit)
             _plausible(text, number, declared[parameter])
             values[parameter] = number
@@ -81,13 +86,6 @@ def _plausible(text: str, number: float, declared: Parameter) -> None:
         raise InputError(f"effect '{text}': {number:g} {declared.unit} is outside the plausible "
                          f'range {declared.low:g} to {declared.high:g} {declared.unit}; check the '
                          'value and its unit')
-
-
-def _known(what: str, name: str, known, text: str) -> None:
-    if name not in known:
-        near = get_close_matches(name, known, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else f'known: {", ".join(known)}'
-        raise InputError(f"effect '{text}': unknown {what} '{name}'; {hint}")
 
 
 def _number(text: str, value: str, unit: str | None, expected: str) -> float:

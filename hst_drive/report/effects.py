@@ -3,10 +3,10 @@
 """The catalogue of effects, or one of them, as text and as JSON."""
 from __future__ import annotations
 
-from difflib import get_close_matches
 import textwrap
 
-from hst_drive.effects import catalogue, Effect, left_out, origin, SLOTS
+from hst_drive.effects import (
+    catalogue, Effect, left_out, origin, SLOTS, unknown_effect)
 from hst_drive.errors import InputError
 from hst_drive.report import markup
 from hst_drive.report.terminal import table
@@ -30,9 +30,7 @@ def chosen(identity: str | None = None) -> dict[str, Effect]:
     if identity is None:
         return effects
     if identity not in effects:
-        near = get_close_matches(str(identity), effects, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else "'hst-drive effects' lists all"
-        raise InputError(f"unknown effect '{identity}'; {hint}")
+        raise InputError(unknown_effect(identity))
     return {identity: effects[identity]}
 
 
