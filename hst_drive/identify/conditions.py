@@ -169,9 +169,11 @@ def faults_of(rig: Rig) -> dict[str, dict[str, float]]:
 
 def learnt(rig: Rig) -> set[str]:
     """Return the effects that were adopted from logs; others are the file's, as its tables are."""
-    told = {name for entry in rig.provenance.get('adopted') or () if isinstance(entry, dict)
-            for name in entry.get('intervals_95_percent') or ()}
-    return {name for name in rig.effects if name in told or name not in faults_of(rig)}
+    past = rig.provenance.get('adopted')
+    told = [entry.get('intervals_95_percent') for entry in past if isinstance(entry, dict)] \
+        if isinstance(past, list) else []
+    return {name for name in rig.effects if name not in faults_of(rig)
+            or any(name in sizes for sizes in told if isinstance(sizes, dict))}
 
 
 def thinning(rig: Rig, runs: Sequence[Run]) -> float:

@@ -22,6 +22,7 @@ from hst_drive.identify.judge import PRACTICAL
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
 from hst_drive.identify.weigh import Means
+from hst_drive.rig.rig import OPEN
 import numpy as np
 from scipy.optimize import brentq
 
@@ -87,7 +88,9 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
 def unread(campaign: Campaign, name: str) -> str:
     """Say what an effect follows that no log has, or the rig file; empty if there is none."""
     effect = catalogue()[name]
-    if 'rated_pressure' in arguments(effect.function) and not campaign.rig.relief_valve:
+    rig = campaign.rig
+    if 'rated_pressure' in arguments(effect.function) and rig.circuit == OPEN and (
+            not rig.relief_valve):
         return "needs the rig file's relief_valve"
     missing = sorted({_FROM[entry] for _, function in effect.terms
                       for entry in arguments(function) if entry in _FROM
