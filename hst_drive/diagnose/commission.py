@@ -32,7 +32,7 @@ from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.adopted import with_delays
 from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
-from hst_drive.rig.schema import BENDS, DOUBTED, WAVES
+from hst_drive.rig.schema import DOUBTED, LOSSES, WAVES
 from hst_drive.units import from_si
 import numpy as np
 
@@ -56,7 +56,7 @@ _TESTS = {
                     'steps of the pump command, at 100 Hz or more'),
     'pump.leakage': 'low and high pressure at one pump command, with the flow measured',
     'motor.leakage': 'low and high pressure at one speed, with the flow measured',
-    **dict.fromkeys(('motor.mechanical_efficiency', *BENDS),
+    **dict.fromkeys(('motor.mechanical_efficiency', *LOSSES),
                     'low and high load, with the torque measured'),
     'loading.pump_mechanical_efficiency': 'low and high load, with the torque measured',
     'loading.pprv_pressure': 'several PPRV commands, with the torque measured',

@@ -290,8 +290,9 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     loss_pressure = 0.0
     # slot loss_pressure
     net_pressure = pressure - back_pressure + loss_pressure
-    efficiency = p[P_motor_efficiency_scale] * interpolate2(
-        net_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout) * bent(
+    efficiency = interpolate2(net_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout)
+    efficiency -= (p[P_torque_loss] - 1.0) * (1.0 - efficiency)
+    efficiency *= p[P_motor_efficiency_scale] * bent(
         net_pressure, rated_pressure, p[P_efficiency_tilt], p[P_efficiency_bend])
     load_side_speed = motor_speed
     load_direction = direction

@@ -13,7 +13,7 @@ from typing import Sequence
 
 from hst_drive.rig import Curve, Rig, Surface
 from hst_drive.rig.rig import WHOLE
-from hst_drive.rig.schema import BENDS, WAVES
+from hst_drive.rig.schema import LOSSES, WAVES
 import numpy as np
 
 NAMES: tuple[str, ...] = (
@@ -25,13 +25,13 @@ NAMES: tuple[str, ...] = (
     'pprv_lag', 'pprv_override', 'pprv_reference_flow', 'characterised_at',
     'displacement_between_points', 'pprv_between_points', 'lowest_command', 'command_range',
     'displacement_wave_1', 'displacement_wave_2', 'displacement_wave_3',
-    'displacement_series_lag', 'efficiency_tilt', 'efficiency_bend',
+    'displacement_series_lag', 'torque_loss', 'efficiency_tilt', 'efficiency_bend',
 )
 WAVED: dict[str, str] = {key: key.partition('.')[2] for key in WAVES}
 # What the pump's actuator has beside a curve and a lag; neutral at 1.
 ACTUATOR: dict[str, str] = {**WAVED, 'pump.displacement_series_lag': 'displacement_series_lag'}
-# How the hydromotor's efficiency parts from its sheet's along the pressure; neutral at 1.
-BENT: dict[str, str] = {key: key.partition('.')[2] for key in BENDS}
+# How the hydromotor's torque losses part from its sheet's; neutral at 1.
+LOST: dict[str, str] = {key: key.partition('.')[2] for key in LOSSES}
 SCALED: dict[str, str] = {
     'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia',
     'line.bulk_modulus': 'bulk_modulus',
@@ -45,7 +45,7 @@ SCALED: dict[str, str] = {
     'loading.pprv_pressure': 'pprv_pressure_scale', 'loading.pprv_lag': 'pprv_lag',
     'loading.pprv_override': 'pprv_override',
     'pump.displacement_between_points': 'displacement_between_points',
-    'loading.pprv_between_points': 'pprv_between_points', **ACTUATOR, **BENT,
+    'loading.pprv_between_points': 'pprv_between_points', **ACTUATOR, **LOST,
 }
 TABLES: tuple[str, ...] = ('DISPLACEMENT', 'PUMP_LEAKAGE', 'MOTOR_LEAKAGE', 'MOTOR_EFFICIENCY',
                            'LOAD_EFFICIENCY', 'PPRV_PRESSURE', 'DISPLACEMENT_BULGE', 'PPRV_BULGE')
@@ -84,7 +84,7 @@ def baseline_parameters(rig: Rig) -> np.ndarray:
         'pprv_reference_flow': loading.pprv_reference_flow,
         'characterised_at': rig.characterised_at, 'displacement_between_points': 1.0,
         'pprv_between_points': 1.0, **actuator_numbers(pump.displacement),
-        **dict.fromkeys(BENT.values(), 1.0),
+        **dict.fromkeys(LOST.values(), 1.0),
     }
     for key, factor in rig.calibration.items():
         values[SCALED[key]] *= factor

@@ -22,7 +22,7 @@ from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
 from hst_drive.model.kernel_template import bent, waved
 from hst_drive.model.lags import behind_play, follow, held_share
-from hst_drive.model.parameters import actuator_numbers, BENT, WAVED
+from hst_drive.model.parameters import actuator_numbers, LOST, WAVED
 from hst_drive.rig import Rig
 from hst_drive.rig.rig import Line
 import numpy as np
@@ -167,15 +167,17 @@ class PartModel:
             motor, under = self.rig.motor, np.abs(net) + more
             factor = self.factor('motor.mechanical_efficiency') * evaluate(bent, {
                 'pressure': under, 'rated_pressure': self.rig.rated_pressure,
-                **{number: self.factor(key) for key, number in BENT.items()}})
-            efficiency = factor * motor.mechanical_efficiency(under, np.abs(speed))
+                **{number: self.factor(key) for key, number in LOST.items()}})
+            sheet, more_lost = motor.mechanical_efficiency(under, np.abs(speed)), self.factor(
+                'motor.torque_loss')
+            efficiency = factor * (sheet - (more_lost - 1.0) * (1.0 - sheet))
             ideal = net * self.motor_displacement
             lost = (1.0 - efficiency) * under * self.motor_displacement
             if motor.torque_loss:
                 # Coefficients tell what is lost without a pressure, too.
                 coulomb, viscous, share = motor.torque_loss
-                share = 1.0 - factor * (1.0 - share)
-                lost = share * np.abs(ideal) + coulomb + viscous * np.abs(speed)
+                share = 1.0 - factor * (1.0 - more_lost * share)
+                lost = share * np.abs(ideal) + more_lost * (coulomb + viscous * np.abs(speed))
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
             hydraulic = ideal - lost * np.where(speed == 0.0, np.sign(ideal), direction)
         return (hydraulic + self.terms('motor_torque', known)

@@ -176,8 +176,10 @@ SENSOR_UNITS: dict[str, tuple[str, str]] = {
 # A unit's displacement curve parts from its sheet's in waves: so many halves along the commands.
 WAVES: tuple[str, ...] = tuple(f'pump.displacement_wave_{halves}' for halves in (1, 2, 3))
 
-# So does its hydromotor's efficiency along the pressure.
+# So does its hydromotor's efficiency along the pressure, and all that it loses of its torque may
+# differ from the sheet's.
 BENDS: tuple[str, ...] = ('motor.efficiency_tilt', 'motor.efficiency_bend')
+LOSSES: tuple[str, ...] = ('motor.torque_loss', *BENDS)
 
 # What a unit of the same make may differ in: the quantity's name and what it scales.
 TOLERANCES: tuple[str, ...] = (
@@ -187,7 +189,7 @@ TOLERANCES: tuple[str, ...] = (
     'loading.pprv_override', 'charge.relief_pressure', 'charge.pump_displacement',
     'gear.efficiency', 'valve.rated_flow', 'valve.lag', 'line.compressibility_under_pressure',
     'pump.displacement_between_points', 'loading.pprv_between_points',
-    'pump.displacement_series_lag', *WAVES, *BENDS,
+    'pump.displacement_series_lag', *WAVES, *LOSSES,
 )
 # What a datasheet does not tell and differs in any machine, by so much unless a file says
 # otherwise. The bulk modulus of mineral oil rises by 0 to 13 times the pressure; between its

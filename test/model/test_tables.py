@@ -90,33 +90,46 @@ def test_a_units_curve_may_part_from_its_sheets_in_waves(command, halves):
             curve(command) * (1.0 + 0.02 * np.cos(halves * np.pi * share)), rel=1e-5), name
 
 
+def torques(rig, pressure, speed, factors):
+    """Return the torque of a unit's hydromotor as each model has it, N.m."""
+    part = PartModel(rig, {}, factors)
+    found = [part.motor_torque(part.complete({'pressure': pressure, 'motor_speed': speed}))]
+    if rig is CLOSED:
+        found += [CircuitModel(rig, {}, factors).run(
+            np.arange(2) * 0.01, {'motor_torque': np.zeros(2)}, {
+                name: np.full(2, value) for name, value in (
+                    ('motor_speed', speed), ('line_a_pressure', pressure + 2e6),
+                    ('line_b_pressure', 2e6), ('pump_displacement', 1e-5))})['motor_torque'][0]]
+    else:
+        drive = Drive(rig)
+        drive.scale(factors)
+        state = drive.initial_state(pressure=pressure, speed=speed)
+        found += [drive.outputs(state, pump_command=0.0, pprv_command=0.0)[
+            'motor_torque_hydraulic']]
+    return np.array(found)
+
+
 @pytest.mark.parametrize('key, shape', [
     ('tilt', lambda share: 2 * share - 1), ('bend', lambda share: 8 * share**2 - 8 * share + 1)])
 @pytest.mark.parametrize('share', [0.1, 0.6])
 def test_a_units_efficiency_may_part_from_its_sheets_along_the_pressure(share, key, shape):
     """By the first and second Chebyshev polynomial up to the sheet's highest pressure."""
     scales, speed = {f'motor.efficiency_{key}': 1.02}, 8.0
-
-    def torques(rig, factors):
-        pressure, braking = share * rig.rated_pressure, {'motor_torque': np.zeros(2)}
-        part = PartModel(rig, {}, factors)
-        found = [part.motor_torque(part.complete({'pressure': pressure, 'motor_speed': speed}))]
-        if rig is CLOSED:
-            found += [CircuitModel(rig, {}, factors).run(np.arange(2) * 0.01, braking, {
-                name: np.full(2, value) for name, value in (
-                    ('motor_speed', speed), ('line_a_pressure', pressure + 2e6),
-                    ('line_b_pressure', 2e6), ('pump_displacement', 1e-5))})['motor_torque'][0]]
-        else:
-            drive = Drive(rig)
-            drive.scale(factors)
-            state = drive.initial_state(pressure=pressure, speed=speed)
-            found += [drive.outputs(state, pump_command=0.0, pprv_command=0.0)[
-                'motor_torque_hydraulic']]
-        return np.array(found)
-
     for rig in (RIG, CLOSED):
         motor, pressure = rig.motor, share * rig.rated_pressure
         efficiency = 1.0 - motor.torque_loss[2] if motor.torque_loss else \
             motor.mechanical_efficiency(pressure, speed)
-        assert torques(rig, scales) - torques(rig, {}) == pytest.approx(
+        moved = torques(rig, pressure, speed, scales) - torques(rig, pressure, speed, {})
+        assert moved == pytest.approx(
             0.02 * shape(share) * efficiency * motor.displacement * pressure, rel=1e-3)
+
+
+@pytest.mark.parametrize('share', [0.1, 0.6])
+def test_a_unit_may_lose_more_of_its_torque_than_its_sheet_says(share):
+    """All that is lost by a tenth more, whether the sheet has a table or coefficients."""
+    for rig in (RIG, CLOSED):
+        pressure = share * rig.rated_pressure
+        usual, lossy = (torques(rig, pressure, 8.0, {'motor.torque_loss': factor})
+                        for factor in (1.0, 1.1))
+        lost = rig.motor.displacement * pressure - usual
+        assert usual - lossy == pytest.approx(0.1 * lost, rel=1e-3)

@@ -3,7 +3,7 @@
 """Lines, hydromotor and its shaft in any circuit with two lines: text for ``circuit_code``."""
 import math
 
-from hst_drive.model.parameters import BENT
+from hst_drive.model.parameters import LOST
 
 
 def capacity(pump_pressure, line, oil_temperature, p, on, cells, layout):
@@ -86,11 +86,12 @@ def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_t
     ideal, pressure = difference * motor_displacement, abs(difference)
     if p[P_by_coefficients] > 0.0:
         efficiency = 1.0 - p[P_torque_share]
-        friction = p[P_coulomb] + p[P_viscous] * abs(motor_speed)
+        friction = p[P_torque_loss] * (p[P_coulomb] + p[P_viscous] * abs(motor_speed))
     else:
         efficiency = interpolate2(
             pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
         friction = 0.0
+    efficiency -= (p[P_torque_loss] - 1.0) * (1.0 - efficiency)
     efficiency *= p[P_motor_efficiency_scale] * bent(
         pressure, p[P_rated_pressure], p[P_efficiency_tilt], p[P_efficiency_bend])
     drive = ideal - ((1.0 - efficiency) * abs(ideal) + friction) * direction
@@ -115,7 +116,7 @@ def motor_numbers(rig):
         'second_displacement': motor.second_displacement, 'switches_at': SWITCHES_AT,
         'inertia': motor.inertia,
         'motor_leakage_scale': 1.0, 'motor_efficiency_scale': 1.0,
-        'rated_pressure': rig.rated_pressure, **dict.fromkeys(BENT.values(), 1.0),
+        'rated_pressure': rig.rated_pressure, **dict.fromkeys(LOST.values(), 1.0),
         'pistons': float(motor.pistons), 'coulomb': coulomb, 'viscous': viscous,
         'torque_share': share, 'by_coefficients': float(motor.torque_loss is not None),
         'bulk_modulus': line.bulk_modulus, 'compressibility_under_pressure': 1.0,
@@ -128,7 +129,7 @@ SCALED = {'motor.displacement': 'motor_displacement', 'motor.inertia': 'inertia'
           'line.compressibility_under_pressure': 'compressibility_under_pressure',
           'motor.leakage': 'motor_leakage_scale',
           'motor.mechanical_efficiency': 'motor_efficiency_scale',
-          'gear.efficiency': 'motor_efficiency_scale', **BENT}
+          'gear.efficiency': 'motor_efficiency_scale', **LOST}
 TABLES = {'MOTOR_LEAKAGE': lambda rig: rig.motor.leakage,
           'MOTOR_EFFICIENCY': lambda rig: rig.motor.mechanical_efficiency}
 SWITCHES_AT = 5.0   # V: a higher command switches to the second displacement
