@@ -194,3 +194,25 @@ def test_motion_is_no_noise_of_slow_rows(rate):
     assert floors['motor_inlet_flow'] == pytest.approx(math.hypot(
         benches.NOISE['motor_inlet_flow'],
         benches.DISPLACEMENT * benches.NOISE['motor_speed']), rel=0.25)
+
+
+def test_a_hydromotor_may_lose_more_than_its_sheet_says_by_so_much_as_the_file_tells():
+    """A seventh more of all that coefficients say: no factor on the efficiency does that."""
+    content = {'motor': {'displacement_cc_rev': 100, 'mechanical_efficiency': {
+        'coulomb_N_m': 4.0, 'viscous_N_m_s_per_rad': 0.05, 'pressure_share': 0.03}},
+        'tolerances_1_sigma_relative': {'motor.mechanical_efficiency': 0.005}}
+    time, random = np.arange(0.0, 60.0, 0.02), np.random.default_rng(3)
+    speed, pressure = 80 + 50 * np.sin(0.31 * time), (110 + 80 * np.sin(0.73 * time)) * 1e5
+    ideal = 1e-4 / (2 * np.pi) * pressure
+    torque = ideal - 1.15 * (4.0 + 0.05 * speed + 0.03 * ideal)
+    noise = random.standard_normal((3, len(time)))
+    run = Run('bench', time, {
+        'motor_speed': speed + 0.05 * noise[0], 'motor_torque': torque + 0.1 * noise[1],
+        'motor_inlet_pressure': pressure + 0.05e5 * noise[2]})
+    named = diagnose(parse_rig(content, 'sheet'), [run])
+    assert named.effects
+    content['tolerances_1_sigma_relative']['motor.torque_loss'] = 0.1
+    found = diagnose(parse_rig(content, 'sheet'), [run])
+    assert found.verdict == 'none'
+    factors = {entry.quantity: entry.factor for entry in found.calibration}
+    assert factors['motor.torque_loss'] == pytest.approx(1.15, rel=0.03)
