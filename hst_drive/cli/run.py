@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     def heard(name: str, line: str) -> None:
         # A fault is told again with each state of the stop that it brings about.
         fault = line.rpartition(']: ')[2].rpartition(';')[0]
-        if args.verbose:
+        if args.verbose and name != 'run':
             say(f'  {name}: {line}')
         if name == 'run':
             say(f'note: {line}')

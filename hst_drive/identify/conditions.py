@@ -172,8 +172,8 @@ def learnt(rig: Rig) -> set[str]:
     past = rig.provenance.get('adopted')
     told = [entry.get('intervals_95_percent') for entry in past if isinstance(entry, dict)] \
         if isinstance(past, list) else []
-    return {name for name in rig.effects if name not in faults_of(rig)
-            or any(name in sizes for sizes in told if isinstance(sizes, dict))}
+    found = {name for sizes in told if isinstance(sizes, dict) for name in sizes}
+    return {name for name in rig.effects if name in found or name not in faults_of(rig)}
 
 
 def thinning(rig: Rig, runs: Sequence[Run]) -> float:

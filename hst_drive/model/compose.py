@@ -66,7 +66,7 @@ STATES: tuple[str, ...] = (
 # Which functions of the text are put into their callers, and which others only it calls.
 INLINE = ('interpolate', 'interpolate2', 'smooth_sign', 'load_model', 'shaft', 'balances',
           'derivatives')
-INSIDE = ('find', 'along', 'waved', 'bent', 'played', 'twist_under')
+INSIDE = ('find', 'along', 'waved', 'of_unit', 'played', 'twist_under')
 
 
 class Code(NamedTuple):

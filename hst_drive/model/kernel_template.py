@@ -56,13 +56,16 @@ def waved(value, command, lowest_command, command_range, displacement_wave_1,
                     + third * (4.0 * wave * wave - 3.0) * wave)
 
 
-def bent(pressure, rated_pressure, efficiency_tilt, efficiency_bend):
-    """Return the factor by which an efficiency parts from its sheet's along the pressure."""
+def of_unit(efficiency, pressure, rated_pressure, motor_efficiency_scale, torque_loss,
+            efficiency_tilt, efficiency_bend):
+    """Return the efficiency of a unit's hydromotor whose sheet gives this one."""
+    lossy = efficiency - (torque_loss - 1.0) * (1.0 - efficiency)
     if efficiency_tilt == 1.0 and efficiency_bend == 1.0:
-        return 1.0
+        return lossy * motor_efficiency_scale
     along = 2.0 * min(max(pressure / rated_pressure, 0.0), 1.0) - 1.0
-    return 1.0 + (efficiency_tilt - 1.0) * along + (efficiency_bend - 1.0) * (
-        2.0 * along * along - 1.0)
+    return lossy * (motor_efficiency_scale * (
+        1.0 + (efficiency_tilt - 1.0) * along + (efficiency_bend - 1.0) * (
+            2.0 * along * along - 1.0)))
 
 
 def interpolate2(x, y, number, cells, layout):
@@ -290,10 +293,10 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     loss_pressure = 0.0
     # slot loss_pressure
     net_pressure = pressure - back_pressure + loss_pressure
-    efficiency = interpolate2(net_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout)
-    efficiency -= (p[P_torque_loss] - 1.0) * (1.0 - efficiency)
-    efficiency *= p[P_motor_efficiency_scale] * bent(
-        net_pressure, rated_pressure, p[P_efficiency_tilt], p[P_efficiency_bend])
+    efficiency = of_unit(
+        interpolate2(net_pressure, speed, T_MOTOR_EFFICIENCY, cells, layout), net_pressure,
+        rated_pressure, p[P_motor_efficiency_scale], p[P_torque_loss], p[P_efficiency_tilt],
+        p[P_efficiency_bend])
     load_side_speed = motor_speed
     load_direction = direction
     if on[SLOT_shaft_compliance]:

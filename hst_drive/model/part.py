@@ -20,7 +20,7 @@ from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.model.arrays import evaluate
 from hst_drive.model.compose import CONSTANTS
 from hst_drive.model.drive import check_effect
-from hst_drive.model.kernel_template import bent, waved
+from hst_drive.model.kernel_template import of_unit, waved
 from hst_drive.model.lags import behind_play, follow, held_share
 from hst_drive.model.parameters import actuator_numbers, LOST, WAVED
 from hst_drive.rig import Rig
@@ -164,20 +164,20 @@ class PartModel:
             # A cavitating inlet neither drives nor brakes.
             net = np.maximum(known['pressure'] - back, np.minimum(known['pressure'], 0.0))
             more = self.terms('loss_pressure', known)
-            motor, under = self.rig.motor, np.abs(net) + more
-            factor = self.factor('motor.mechanical_efficiency') * evaluate(bent, {
+            motor, under, ideal = self.rig.motor, np.abs(net) + more, net * self.motor_displacement
+            coefficients = motor.torque_loss
+            efficiency = evaluate(of_unit, {
+                'efficiency': 1.0 - coefficients[2] if coefficients else
+                motor.mechanical_efficiency(under, np.abs(speed)),
                 'pressure': under, 'rated_pressure': self.rig.rated_pressure,
+                'motor_efficiency_scale': self.factor('motor.mechanical_efficiency'),
                 **{number: self.factor(key) for key, number in LOST.items()}})
-            sheet, more_lost = motor.mechanical_efficiency(under, np.abs(speed)), self.factor(
-                'motor.torque_loss')
-            efficiency = factor * (sheet - (more_lost - 1.0) * (1.0 - sheet))
-            ideal = net * self.motor_displacement
             lost = (1.0 - efficiency) * under * self.motor_displacement
-            if motor.torque_loss:
-                # Coefficients tell what is lost without a pressure, too.
-                coulomb, viscous, share = motor.torque_loss
-                share = 1.0 - factor * (1.0 - more_lost * share)
-                lost = share * np.abs(ideal) + more_lost * (coulomb + viscous * np.abs(speed))
+            if coefficients:
+                # They tell what is lost without a pressure, too.
+                coulomb, viscous, _ = coefficients
+                lost = (1.0 - efficiency) * np.abs(ideal) + self.factor('motor.torque_loss') * (
+                    coulomb + viscous * np.abs(speed))
             # What is lost brakes, whether oil drives the shaft or the shaft the oil.
             hydraulic = ideal - lost * np.where(speed == 0.0, np.sign(ideal), direction)
         return (hydraulic + self.terms('motor_torque', known)

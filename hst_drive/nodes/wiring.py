@@ -43,7 +43,7 @@ CIRCUITS = ('open', 'closed')
 
 def nodes_of(circuit: str, source: str) -> tuple[str, ...]:
     """
-    Return the nodes of a run.
+    Return the nodes of a run; ``source`` is the rig file, for the message.
 
     Raises
     ------

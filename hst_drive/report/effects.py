@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import textwrap
 
-from hst_drive.effects import (
-    catalogue, Effect, left_out, origin, SLOTS, unknown_effect)
+from hst_drive.effects import catalogue, Effect, left_out, origin, SLOTS, unknown_effect
 from hst_drive.errors import InputError
 from hst_drive.report import markup
 from hst_drive.report.terminal import table

@@ -113,7 +113,7 @@ def torques(rig, pressure, speed, factors):
     ('tilt', lambda share: 2 * share - 1), ('bend', lambda share: 8 * share**2 - 8 * share + 1)])
 @pytest.mark.parametrize('share', [0.1, 0.6])
 def test_a_units_efficiency_may_part_from_its_sheets_along_the_pressure(share, key, shape):
-    """By the first and second Chebyshev polynomial up to the sheet's highest pressure."""
+    """By the first and second Chebyshev polynomial up to the rated pressure."""
     scales, speed = {f'motor.efficiency_{key}': 1.02}, 8.0
     for rig in (RIG, CLOSED):
         motor, pressure = rig.motor, share * rig.rated_pressure

@@ -16,7 +16,7 @@ from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
 from hst_drive.model.compose import CONSTANTS
-from hst_drive.model.kernel_template import bent, waved
+from hst_drive.model.kernel_template import of_unit, waved
 from hst_drive.model.lags import held_share
 from hst_drive.model.parameters import ACTUATOR, actuator_numbers
 from hst_drive.rig import Rig
@@ -275,8 +275,8 @@ CIRCUIT = Circuit(
     id='closed',
     title='closed circuit: over-centre pump, two lines, charge pump, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(bent, waved, held_share, charged, pump_leak, capacity, gear, motor_leak, motor_leaks,
-             shaft),
+    helpers=(of_unit, waved, held_share, charged, pump_leak, capacity, gear, motor_leak,
+             motor_leaks, shaft),
     numbers=numbers, sections=('pump', 'motor', 'line', 'charge'), complete=complete, steps=steps,
     keys=('pump.shaft_speed_rpm', 'pump.max_displacement_cc_rev', 'pump.displacement_vs_command',
           'pump.displacement_lag_s', 'motor.displacement_cc_rev', 'motor.inertia_total_kg_m2',

@@ -91,9 +91,9 @@ def shaft(difference, measured, opposing_torque, motor_speed, motor_angle, oil_t
         efficiency = interpolate2(
             pressure, abs(motor_speed), T_MOTOR_EFFICIENCY, cells, layout)
         friction = 0.0
-    efficiency -= (p[P_torque_loss] - 1.0) * (1.0 - efficiency)
-    efficiency *= p[P_motor_efficiency_scale] * bent(
-        pressure, p[P_rated_pressure], p[P_efficiency_tilt], p[P_efficiency_bend])
+    efficiency = of_unit(
+        efficiency, pressure, p[P_rated_pressure], p[P_motor_efficiency_scale], p[P_torque_loss],
+        p[P_efficiency_tilt], p[P_efficiency_bend])
     drive = ideal - ((1.0 - efficiency) * abs(ideal) + friction) * direction
     load_torque = abs(drive)
     whole_load_torque = 0.0

@@ -14,7 +14,7 @@ from hst_drive.model.circuits.motor_text import (
     capacity, gear, motor_leak, motor_leaks, motor_numbers, SCALED, shaft, SIGN_SPEED,
     TABLES)
 from hst_drive.model.compose import CONSTANTS
-from hst_drive.model.kernel_template import bent
+from hst_drive.model.kernel_template import of_unit
 from hst_drive.rig import Rig
 
 _OPEN = 0.05        # of the stroke: a spool nearer to its middle tells nothing of its edges
@@ -127,7 +127,7 @@ CIRCUIT = Circuit(
     id='valve',
     title='valve circuit: supply, proportional valve, hydromotors',
     hold=hold, actuator=actuator, equations=equations,
-    helpers=(bent, edge, capacity, gear, motor_leak, motor_leaks, shaft), numbers=numbers,
+    helpers=(of_unit, edge, capacity, gear, motor_leak, motor_leaks, shaft), numbers=numbers,
     steps=steps, sections=('supply', 'valve', 'motor', 'line'),
     keys=('motor.displacement_cc_rev', 'motor.inertia_total_kg_m2', 'line.volume_m3',
           'line.bulk_modulus_Pa'),
