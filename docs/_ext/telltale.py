@@ -95,9 +95,8 @@ def _explained(variable, moved):
 
 def draw(identity, path):
     """Draw one effect's tell-tale into a file."""
-    from hst_drive.report.drawing import BLACK, BLUE, load_pyplot, save, VERMILION
+    from hst_drive.report.drawing import BLACK, BLUE, new_figure, save, VERMILION
 
-    pyplot = load_pyplot()
     time, signal, within, without, over, variable = shown(identity)
     moved = within - without
     judged = time > _START
@@ -105,7 +104,8 @@ def draw(identity, path):
     start = time[max(int(np.argmax(size)), int(np.argmax(judged)))]
     part = (time >= start) & (time <= start + _WINDOW)
     channel, other = CHANNELS[signal], CHANNELS[over]
-    figure_, (left, right) = pyplot.subplots(1, 2, figsize=(8.4, 2.7), layout='constrained')
+    figure_ = new_figure(8.4, 2.7, layout='constrained')
+    left, right = figure_.subplots(1, 2)
     left.plot(time[part], from_si(within[part], channel.display), color=BLACK, lw=1.2,
               label='with the effect')
     left.plot(time[part], from_si(without[part], channel.display), color=VERMILION, lw=1.0,

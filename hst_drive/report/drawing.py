@@ -13,9 +13,9 @@ BLUE, VERMILION, BLACK = '#0072B2', '#D55E00', '#000000'
 COLOURS = (BLUE, VERMILION, '#009E73', '#CC79A7', BLACK, '#56B4E9', '#E69F00')
 
 
-def load_pyplot():
+def new_figure(width: float, height: float, **options):
     """
-    Return matplotlib's pyplot, drawing into files.
+    Return an empty figure [inch], apart from what a caller may have drawn with pyplot.
 
     Raises
     ------
@@ -24,18 +24,16 @@ def load_pyplot():
 
     """
     try:
-        import matplotlib
+        import matplotlib.figure
     except ImportError:
         raise InputError('matplotlib is not installed; plots need it: '
                          "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
-    matplotlib.use('Agg')
-    from matplotlib import pyplot
-    return pyplot
+    return matplotlib.figure.Figure(figsize=(width, height), **options)
 
 
 def save(figure, path: str | Path) -> None:
     """
-    Write a figure into the format that the file's name asks for, and close it.
+    Write a figure into the format that the file's name asks for.
 
     Raises
     ------
@@ -48,5 +46,3 @@ def save(figure, path: str | Path) -> None:
     except (OSError, ValueError) as error:
         raise InputError(f'{path}: cannot be written ({error}); use a name ending in .png or '
                          '.pdf in a folder that exists') from None
-    finally:
-        load_pyplot().close(figure)

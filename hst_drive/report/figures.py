@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import LogComparison
-from hst_drive.report.drawing import BLACK, BLUE, load_pyplot, save, VERMILION
+from hst_drive.report.drawing import BLACK, BLUE, new_figure, save, VERMILION
 from hst_drive.units import difference_from_si, from_si
 import numpy as np
 
@@ -27,13 +27,12 @@ def comparison_figure(log: LogComparison, path: str | Path) -> None:
         If matplotlib is missing or the file cannot be written.
 
     """
-    pyplot = load_pyplot()
     names = list(log.signals)
     commanded = 'pump_command' in log.run
     heights = [height for _ in names for height in (2.0, 1.0)] + [1.3] * commanded
-    figure, axes = pyplot.subplots(
-        len(heights), 1, sharex=True, figsize=(9, 1.1 + 1.8 * len(names) + 0.8 * commanded),
-        gridspec_kw={'height_ratios': heights, 'hspace': 0.12}, squeeze=False)
+    figure = new_figure(9.0, 1.1 + 1.8 * len(names) + 0.8 * commanded)
+    axes = figure.subplots(len(heights), 1, sharex=True, squeeze=False,
+                           gridspec_kw={'height_ratios': heights, 'hspace': 0.12})
     for index, name in enumerate(names):
         channel, errors = CHANNELS[name], log.signals[name]
         top, bottom = axes[2 * index, 0], axes[2 * index + 1, 0]

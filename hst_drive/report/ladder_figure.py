@@ -8,7 +8,7 @@ from typing import Sequence
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Step
-from hst_drive.report.drawing import COLOURS, load_pyplot, save
+from hst_drive.report.drawing import COLOURS, new_figure, save
 import numpy as np
 
 _MARKS = 'osDv^P<>'     # one more than colours, so that a pair comes again late
@@ -17,7 +17,7 @@ _TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 def require_matplotlib() -> None:
     """Raise InputError where matplotlib is missing: better before the work than after."""
-    load_pyplot()
+    new_figure(1.0, 1.0)
 
 
 def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> None:
@@ -39,9 +39,9 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
         If matplotlib is missing or the file cannot be written.
 
     """
-    pyplot = load_pyplot()
     names = list(steps[0].holdout)
-    figure, axis = pyplot.subplots(figsize=(max(5.0, 1.5 + 1.3 * len(steps)), 3.6))
+    figure = new_figure(max(5.0, 1.5 + 1.3 * len(steps)), 3.6)
+    axis = figure.subplots()
     places = np.arange(len(steps))
     width = min(0.5 / max(len(names), 1), 0.09)
     for count, name in enumerate(names):
@@ -58,7 +58,7 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
     low, high = axis.get_ylim()
     shown = [tick for tick in _TICKS if low <= tick <= high]
     axis.set_yticks(shown, [f'{tick:g}' for tick in shown])
-    axis.yaxis.set_minor_locator(pyplot.NullLocator())
+    axis.minorticks_off()
     axis.set_ylabel('error over the noise floor [1]')
     axis.set_xlim(-0.5, len(steps) - 0.5)
     axis.set_xticks(places, [('+ ' if place > 1 else '') + _wrapped(step.added)

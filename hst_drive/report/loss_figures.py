@@ -11,7 +11,7 @@ from hst_drive.losses.selection import grid
 from hst_drive.losses.study import Study
 from hst_drive.losses.table import VARIABLES
 from hst_drive.losses.trends import quantities_of
-from hst_drive.report.drawing import COLOURS, load_pyplot
+from hst_drive.report.drawing import COLOURS, new_figure
 from hst_drive.units import from_si
 import numpy as np
 
@@ -55,7 +55,6 @@ def draw(study: Study, target: str | Path, say: Callable[[str], None]) -> list[P
         If matplotlib is missing or nothing can be written there.
 
     """
-    pyplot = load_pyplot()
     target = Path(target)
     if target.suffix.lower() not in ('', '.pdf'):
         raise InputError(f'{target}: expected a folder for PNGs, or a name ending in .pdf')
@@ -64,38 +63,34 @@ def draw(study: Study, target: str | Path, say: Callable[[str], None]) -> list[P
             from matplotlib.backends.backend_pdf import PdfPages
 
             with PdfPages(target) as pages:
-                for name, figure in _pages(study, pyplot):
+                for name, figure in _pages(study):
                     say(f'drawing {name} ...')
                     pages.savefig(figure, bbox_inches='tight')
-                    pyplot.close(figure)
             return [target]
         target.mkdir(parents=True, exist_ok=True)
         out = []
-        for name, figure in _pages(study, pyplot):
+        for name, figure in _pages(study):
             say(f'drawing {name} ...')
             out.append(target / f'{name}.png')
             figure.savefig(out[-1], dpi=110, bbox_inches='tight')
-            pyplot.close(figure)
         return out
     except OSError as error:
         raise InputError(f'{target}: cannot be written ({error.strerror}); name a folder, or a '
                          '.pdf file in a folder that exists') from None
-    finally:
-        pyplot.close('all')
 
 
-def _pages(study: Study, pyplot) -> Iterator[tuple[str, object]]:
-    yield 'figures_6_to_27', _paper_page(study, pyplot)
+def _pages(study: Study) -> Iterator[tuple[str, object]]:
+    yield 'figures_6_to_27', _paper_page(study)
     for size in study.scales.sizes:
-        yield f'maps_{from_si(size, "cc/rev"):.4g}_cc', _map_page(study, pyplot, size)
+        yield f'maps_{from_si(size, "cc/rev"):.4g}_cc', _map_page(study, size)
 
 
-def _map_page(study: Study, pyplot, size: float):
+def _map_page(study: Study, size: float):
     """Draw efficiency, slip and torque loss over torque and speed, a row per temperature."""
     bench = study.bench
     warmth, degrees = bench.levels('temperature')
-    figure, axes = pyplot.subplots(len(degrees), 3, figsize=(12.5, 0.7 + 3.2 * len(degrees)),
-                                   squeeze=False, layout='constrained')
+    figure = new_figure(12.5, 0.7 + 3.2 * len(degrees), layout='constrained')
+    axes = figure.subplots(len(degrees), 3, squeeze=False)
     for j, degree in enumerate(degrees):
         rows = (warmth == j) & bench.of_motor(size)
         if not rows.any():
@@ -122,15 +117,15 @@ def _map_page(study: Study, pyplot, size: float):
     return figure
 
 
-def _paper_page(study: Study, pyplot):
+def _paper_page(study: Study):
     """Draw the paper's Figs. 6 to 27 from a table: rows of quantities, columns of temperatures."""
     bench = study.bench
     labels = {name: bench.levels(name) for name in VARIABLES}
     measured, fitted = quantities_of(bench, study.found), _fitted(study)
     _, degrees = labels['temperature']
     columns = len(degrees) + 1
-    figure, axes = pyplot.subplots(len(_ROWS), columns, squeeze=False, layout='constrained',
-                                   figsize=(4.3 * columns, 3.1 * len(_ROWS) + 1.2))
+    figure = new_figure(4.3 * columns, 3.1 * len(_ROWS) + 1.2, layout='constrained')
+    axes = figure.subplots(len(_ROWS), columns, squeeze=False)
     for row, (name, title, factor, log, number, last) in zip(axes, _ROWS):
         if not np.isfinite(measured[name]).any():
             for axis in row:
@@ -157,7 +152,7 @@ def _paper_page(study: Study, pyplot):
                 for formatter in (axis.yaxis.set_major_formatter, axis.yaxis.set_minor_formatter):
                     formatter(lambda value, _: f'{value:g}')
                 axis.tick_params(axis='y', which='minor', labelsize=6)
-    _legend(figure, pyplot, labels)
+    _legend(figure, labels)
     return figure
 
 
@@ -225,12 +220,14 @@ def _by_temperature(axis, study: Study, labels, name: str, title: str, factor: f
     axis.set_xlabel('oil temperature [degC]', fontsize=8)
 
 
-def _legend(figure, pyplot, labels) -> None:
-    motors = [pyplot.Line2D([], [], color=_COLOURS[k % len(_COLOURS)], lw=2,
-                            label=f'{from_si(size, "cc/rev"):.4g} cc/rev')
+def _legend(figure, labels) -> None:
+    from matplotlib.lines import Line2D
+
+    motors = [Line2D([], [], color=_COLOURS[k % len(_COLOURS)], lw=2,
+                     label=f'{from_si(size, "cc/rev"):.4g} cc/rev')
               for k, size in enumerate(labels['size'][1])]
-    loads = [pyplot.Line2D([], [], color='0.3', marker=MARKS[m % len(MARKS)], ms=4,
-                           ls=LINES[m % len(LINES)], lw=1, label=f'{load:.3g} N.m')
+    loads = [Line2D([], [], color='0.3', marker=MARKS[m % len(MARKS)], ms=4,
+                    ls=LINES[m % len(LINES)], lw=1, label=f'{load:.3g} N.m')
              for m, load in enumerate(labels['load'][1])]
     figure.legend(handles=[*motors, *loads], loc='outside upper center', fontsize=9,
                   ncol=max(len(motors) + len(loads), 1), frameon=False,

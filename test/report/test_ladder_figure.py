@@ -6,6 +6,7 @@ import sys
 from hst_drive import cli
 from hst_drive.diagnose.result import Step
 from hst_drive.errors import InputError
+from hst_drive.report.drawing import save
 from hst_drive.report.ladder_figure import ladder_figure
 import numpy as np
 import pytest
@@ -17,9 +18,10 @@ STEPS = tuple(Step(added, dict.fromkeys(SIGNALS, value), dict.fromkeys(SIGNALS, 
 
 
 def test_it_shows_every_step(tmp_path, monkeypatch):
-    pyplot = pytest.importorskip('matplotlib.pyplot')
+    backend = pytest.importorskip('matplotlib.backends.backend_agg')
     kept = []
-    monkeypatch.setattr(pyplot, 'close', kept.append)
+    monkeypatch.setattr('hst_drive.report.ladder_figure.save',
+                        lambda figure, path: kept.append(figure) or save(figure, path))
     ladder_figure(STEPS, tmp_path / 'a.png', 'a title')
     axis, = kept[0].axes
     lines = [line for line in axis.get_lines() if len(line.get_xdata()) == len(STEPS)]
@@ -29,7 +31,7 @@ def test_it_shows_every_step(tmp_path, monkeypatch):
         assert np.allclose(line.get_ydata(), share * np.array([30.0, 8.0, 2.0, 0.9]))
     assert axis.get_yscale() == 'log' and '[1]' in axis.get_ylabel()
     # No label of a step lies over another one, nor over the legend.
-    renderer = kept[0].canvas.get_renderer()
+    renderer = backend.FigureCanvasAgg(kept[0]).get_renderer()
     boxes = [label.get_window_extent(renderer) for label in axis.get_xticklabels()]
     boxes.append(axis.get_legend().get_window_extent(renderer))
     for place, box in enumerate(boxes):
