@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
 def text(found: Commissioned) -> str:
     """Return the fingerprint for a terminal."""
     from hst_drive.effects.leakage_temperature import OIL_LAW
-    from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, ZEROS
+    from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, STARTS, ZEROS
 
     rows = [[entry.quantity, f'{entry.factor:.4f}', f'{100 * entry.sigma:.2g}',
              f'{100 * entry.make:.2g}'] for entry in found.quantities]
@@ -78,6 +78,9 @@ def text(found: Commissioned) -> str:
     if zeros := learnt.get(ZEROS):
         lines.append('zeros of sensors (one sigma): ' + ', '.join(
             f'{name} {value:.3g} ({sigma:.2g})' for name, (value, sigma) in zeros.items()))
+    if starts := learnt.get(STARTS):
+        lines.append('starts from rest, the model errs by (rms): ' + ', '.join(
+            f'{name} {value:.3g}' for name, value in starts.items()))
     law = (found.rig.get('effects') or {}).get(OIL_LAW)
     if law:
         lines.append("its leakage follows the oil's viscosity to the power "

@@ -28,10 +28,11 @@ from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
+from hst_drive.measure.judged import start_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.adopted import with_delays
-from hst_drive.rig.fingerprint import OIL_LAW_SIGMA, SECTION, zero_entry, ZEROS
+from hst_drive.rig.fingerprint import entry_of, OIL_LAW_SIGMA, SECTION, STARTS, ZEROS
 from hst_drive.rig.schema import DOUBTED, LOSSES, WAVES
 from hst_drive.units import from_si
 import numpy as np
@@ -187,8 +188,10 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         'day_to_day_share_of_tolerance': day_to_day, 'conditions': conditions(runs)}
     if campaign.zeros:
         unit[SECTION][ZEROS] = dict(
-            zero_entry(name, made.zeros.get(name, 0.0) + fitted.model.zeros[name], sigma)
+            entry_of(name, made.zeros.get(name, 0.0) + fitted.model.zeros[name], sigma)
             for name, sigma in zip(campaign.zeros, sigmas[len(campaign.tolerances):]))
+    if starts := start_errors(campaign, fitted):
+        unit[SECTION][STARTS] = dict(entry_of(*entry) for entry in starts.items())
     if law:
         unit[SECTION][OIL_LAW_SIGMA] = float(f'{law:.3g}')
     warm = reach_of('oil_temperature', runs, (50.0,))
@@ -279,6 +282,23 @@ def repeatability(campaign: Campaign, fitted: Fit) -> float:
                                     + slope @ np.linalg.solve(spreads, slope))
     logs = len(campaign.replays)
     return float(_SHARES[np.argmax(chance)]) * float(np.sqrt(logs / (logs - 1.0)))
+
+
+def start_errors(campaign: Campaign, fitted: Fit) -> dict[str, float]:
+    """
+    Return how far a model errs while the drive starts from rest, by signal, SI.
+
+    The largest root mean square of these logs. Empty if fewer than two start from rest: one start
+    does not tell how they differ.
+    """
+    found: dict[str, list[float]] = {}
+    for error, column in zip(fitted.errors, campaign.columns):
+        replay = campaign.replays[column.log]
+        rows = start_of(replay.run) & replay.counted(column.signal)
+        if rows.any() and not campaign.by_balance:
+            found.setdefault(column.signal, []).append(
+                float(np.sqrt(np.mean(error[rows]**2))) / column.scale)
+    return {name: max(errors) for name, errors in found.items() if len(errors) > 1}
 
 
 def _positive(correlation: np.ndarray) -> np.ndarray:

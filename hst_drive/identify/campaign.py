@@ -22,7 +22,7 @@ from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import as_read, DELAY, delays_of, zeros_of
 from hst_drive.measure.circuit import replay_of
-from hst_drive.measure.judged import judged
+from hst_drive.measure.judged import judged, start_of
 from hst_drive.measure.oscillation import means_where, shaking
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import BLOCK, Run
@@ -78,7 +78,7 @@ class Campaign:
             name for replay in self.replays for name in replay.signals))
         self._splits = [
             np.where(usable, self._split(replay, index < len(runs), bool(holdout)), 0)
-            for index, (replay, usable) in enumerate(zip(self.replays, self.usable))]
+            for index, (replay, usable) in enumerate(zip(self.replays, self._with_starts()))]
         self._shaking = [np.zeros(len(replay.run), dtype=bool) if self.by_balance
                          else shaking(replay.run) for replay in self.replays]
         self.columns = columns(self.replays, self.floors, self._splits)
@@ -91,10 +91,34 @@ class Campaign:
     def _floors(self, judge) -> list[dict[str, float]]:
         return [replay.floor(judge, usable) for replay, usable in zip(self.replays, self.usable)]
 
+    def _with_starts(self) -> list[np.ndarray]:
+        """
+        Return the usable rows, and those of starts from rest where the machine's own are known.
+
+        There the model errs as far as it did then.
+        """
+        if not self.starts_known:
+            return self.usable
+        known = self.rig.fingerprint.starts
+        counted = []
+        for replay, usable in zip(self.replays, self.usable):
+            rows = start_of(replay.run)
+            counted.append(usable | rows)
+            replay.extra_std = {
+                name: np.hypot(replay.extra_std.get(name, 0.0),
+                               np.where(rows, known.get(name, np.inf), 0.0))
+                for name in replay.signals}
+        return counted
+
     @property
     def commissioned_unit(self) -> bool:
         """Whether the machine's own numbers were learnt on other logs (``Rig.fingerprint``)."""
         return self.rig.fingerprint is not None
+
+    @property
+    def starts_known(self) -> bool:
+        """Whether the machine's own starts from rest are known (``Fingerprint.starts``)."""
+        return bool(not self.by_balance and self.rig.fingerprint and self.rig.fingerprint.starts)
 
     @property
     def learnt(self) -> set[str]:
@@ -241,8 +265,15 @@ class Campaign:
             for log, split in enumerate(self._splits)])
 
     def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
-        """Return the campaign that sizes are taken from, for a model that leaves these errors."""
-        return self
+        """
+        Return the campaign that sizes are taken from, for a model that leaves these errors.
+
+        Starts tell that something is there, but not how much of it: when the drive breaks away
+        hangs on all that came before.
+        """
+        return self._changed(_splits=[
+            split * usable for split, usable in zip(self._splits, self.usable)
+        ]) if self.starts_known else self
 
     def doubted(self) -> Campaign | None:
         """

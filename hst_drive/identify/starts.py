@@ -17,6 +17,7 @@ import numpy as np
 _ALIKE = 1e-3   # of the cost: two starts that differ by less lead to the same place
 _MANY, _NEAR = 10, 4     # starts; of more the nearest are fitted to the load first
 _LESS = 0.3     # of its typical size, where it is tried, too
+_SOFT = np.geomspace(0.03, 0.6, 12)     # of it, where starts from rest ring by how soft oil is
 _SHARES = 0.1, 3.0      # of where it was tried, between which it starts
 
 
@@ -74,6 +75,8 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         tried = [*promising([], [*told, *fitted])]
     else:
         sizes = [off + share * (values[size] - off) for share in (1.0, _LESS)]
+        if campaign.starts_known and effect.slot == 'compliance':
+            fitted += [shaped({size: off + share * (values[size] - off)}) for share in _SOFT]
         tried = [*promising([shaped({size: entry}) for entry in sizes], [])]
         # A size that stalls the drive in the model says nothing of a form; nor does a form that
         # takes nothing away say anything of the size.

@@ -62,7 +62,7 @@ def judged(run: Run) -> Judged:
     time = run.time - run.time[0]
     out = np.zeros(len(run), dtype=bool)
     reasons, kept = {}, {}
-    rest = _starting(run, time)
+    rest = _starting(run)
     for why, part in (('start from rest', rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time)),
@@ -76,13 +76,20 @@ def judged(run: Run) -> Judged:
     return Judged(~out, _spans(run.time, out, reasons), kept)
 
 
-def _starting(run: Run, time: np.ndarray) -> np.ndarray:
+def _starting(run: Run) -> np.ndarray:
     """Tell the start: breaking away hangs on fractions of a volt and a newton metre."""
+    time = run.time - run.time[0]
     if 'motor_speed' not in run:
         return np.zeros(len(time), dtype=bool)
     speed = np.abs(run['motor_speed'])
     slow = (time < _START) & (speed < 0.3 * np.nanmedian(speed))
     return time <= time[np.flatnonzero(slow)[-1]] + _AFTER if slow.any() else slow
+
+
+def start_of(run: Run) -> np.ndarray:
+    """Tell the rows of a start that other starts of the machine foretell: without a void."""
+    pressure = run.channels.get('pump_outlet_pressure', np.zeros(len(run)))
+    return _starting(run) & ~(pressure < -CAVITATING)
 
 
 def _in_motion(run: Run, time: np.ndarray) -> np.ndarray:

@@ -20,7 +20,8 @@ SECTION = 'commissioned'
 _KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
 OIL_LAW_SIGMA = 'leakage_temperature_exponent_sigma'    # only where that was learnt
 ZEROS = 'zeros'     # of sensors, each its value and one sigma
-_OPTIONAL = (OIL_LAW_SIGMA, ZEROS)
+STARTS = 'start_error'  # how far the model errs while the drive starts from rest
+_OPTIONAL = (OIL_LAW_SIGMA, ZEROS, STARTS)
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,8 @@ class Fingerprint:
     zeros : dict of str to (float, float)
         By channel: what its sensor reads beyond the truth throughout, and one standard deviation
         of that, SI.
+    starts : dict of str to float
+        By channel: how far the model errs while the drive starts from rest (rms), SI.
 
     """
 
@@ -54,6 +57,7 @@ class Fingerprint:
     conditions: dict[str, tuple[float, float]] = field(default_factory=dict)
     oil_law: float = 0.0
     zeros: dict[str, tuple[float, float]] = field(default_factory=dict)
+    starts: dict[str, float] = field(default_factory=dict)
 
 
 def read_fingerprint(found: object, source: str) -> Fingerprint:
@@ -90,7 +94,7 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
         _number(content[_KEYS[2]], 0.0, 10.0, source, share),
         _conditions(content['conditions'], source),
         _number(content.get(OIL_LAW_SIGMA, 0.0), 0.0, 1.0, source, f'{SECTION}.{OIL_LAW_SIGMA}'),
-        zeros)
+        zeros, _starts(content.get(STARTS, {}), source))
 
 
 def _correlation(found: object, names: list[str],
@@ -113,11 +117,18 @@ def _correlation(found: object, names: list[str],
             for i, one in enumerate(names) for k, other in enumerate(names)}
 
 
-def zero_entry(channel: str, zero: float, sigma: float) -> tuple[str, list[float]]:
-    """Return key and value of a sensor's zero in a unit's file; ``zero`` and ``sigma`` in SI."""
+def entry_of(channel: str, *values: float) -> tuple[str, float | list[float]]:
+    """Return key and value, or values, of a channel in a unit's file; differences in SI."""
     suffix, unit = SENSOR_UNITS[channel]
-    return f'{channel}_{suffix}', [float(f'{difference_from_si(value, unit):.4g}')
-                                   for value in (zero, sigma)]
+    told = [float(f'{difference_from_si(value, unit):.4g}') for value in values]
+    return f'{channel}_{suffix}', told if len(told) > 1 else told[0]
+
+
+def _starts(found: object, source: str) -> dict[str, float]:
+    where = f'{SECTION}.{STARTS}'
+    return {channel: float(difference_to_si(
+        _number(value, 1e-12, 1e6, source, f'{where}.{key}'), unit))
+        for key, channel, unit, value in _entries(found, source, where, SENSOR_UNITS)}
 
 
 def _zeros(found: object, source: str) -> dict[str, tuple[float, float]]:
@@ -145,13 +156,19 @@ def _conditions(found: object, source: str) -> dict[str, tuple[float, float]]:
 
 def _pairs(found: object, source: str, where: str, units: Mapping[str, tuple[str, str]],
            expected: str) -> Iterator[tuple[str, str, str, list]]:
-    """Yield key, channel, unit and pair; ``units`` are the key's suffix and unit by channel."""
+    for key, channel, unit, value in _entries(found, source, where, units):
+        if not isinstance(value, list) or len(value) != 2:
+            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected {expected}")
+        yield key, channel, unit, value
+
+
+def _entries(found: object, source: str, where: str,
+             units: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str, str, str, object]]:
+    """Yield key, channel, unit and value; ``units`` are the key's suffix and unit by channel."""
     known = {f'{channel}_{suffix}': (channel, unit) for channel, (suffix, unit) in units.items()}
     for key, value in _mapping(found, source, where).items():
         if key not in known:
             raise InputError(f"{source}: unknown key '{where}.{key}'; known: {', '.join(known)}")
-        if not isinstance(value, list) or len(value) != 2:
-            raise InputError(f"{source}: '{where}.{key}' is {value!r}, expected {expected}")
         yield key, *known[key], value
 
 

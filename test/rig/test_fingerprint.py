@@ -41,6 +41,13 @@ def test_zeros_arrive_in_si_and_are_tied_to_the_quantities():
     assert rig(GOOD).zeros == {}
 
 
+def test_how_far_starts_are_off_arrives_in_si():
+    read = rig({**GOOD, 'start_error': {'motor_inlet_pressure_bar': 0.5, 'motor_speed_rpm': 30}})
+    assert read.fingerprint.starts == {'motor_inlet_pressure': pytest.approx(0.5e5),
+                                       'motor_speed': pytest.approx(3.14159, 1e-5)}
+    assert rig(GOOD).fingerprint.starts == {}
+
+
 @pytest.mark.parametrize('path, value, said', [
     ('sigma_relative', [1], 'expected a mapping'),
     ('sigma_relative', {'motor.leak': 1}, "unknown key 'commissioned.sigma_relative.motor.leak'"),
@@ -58,6 +65,8 @@ def test_zeros_arrive_in_si_and_are_tied_to_the_quantities():
     ('zeros', {'motor_speed_rpm': [9]}, 'expected [zero, sigma]'),
     ('zeros', {'motor_speed_rpm': [9, 0]}, "zeros.motor_speed_rpm' is 0, expected a number"),
     ('zeros', {'motor_speed_rpm': [9, 1]}, 'no table of 3 rows'),
+    ('start_error', {'motor_speed': 1}, "unknown key 'commissioned.start_error.motor_speed'"),
+    ('start_error', {'motor_speed_rpm': [1]}, "start_error.motor_speed_rpm' is [1], expected a n"),
     ('zeros', {'motor_speed_rpm': [9, 1]}, "each entry of 'sigma_relative' and 'zeros'"),
     ('sigma', {}, "unknown key 'commissioned.sigma'"), ('conditions', None, 'mapping')])
 def test_a_slip_is_told_in_one_line(path, value, said):
