@@ -83,10 +83,11 @@ def text(found: Commissioned) -> str:
             f'{name} {value:.3g}' for name, value in starts.items()))
     law = (found.rig.get('effects') or {}).get(OIL_LAW)
     if law:
+        power, sigma = law['exponent'], learnt.get(OIL_LAW_SIGMA, 0.0)
         lines.append("its leakage follows the oil's viscosity to the power "
-                     f"{law['exponent']:.2g}"
-                     + (f' (one sigma {learnt[OIL_LAW_SIGMA]:.2g})' if OIL_LAW_SIGMA in learnt
-                        else '') + f": '{OIL_LAW}' is part of this machine, and no fault")
+                     f'{power:.2g}' + (f' (one sigma {sigma:.2g})' if sigma else '')
+                     + (f": '{OIL_LAW}' is part of this machine, and no fault"
+                        if power > 2.0 * sigma else ', which may be none'))
     untold = [entry for entry in found.quantities if entry.test]
     if untold:
         lines += ['', 'these logs tell little of (the tolerance of the make stays); what would '

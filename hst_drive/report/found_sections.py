@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 
 from hst_drive.channels import CHANNELS
-from hst_drive.diagnose.result import not_known
+from hst_drive.diagnose.result import not_known, UNIT_ALONE
 from hst_drive.diagnose.sentence import stated
 from hst_drive.effects import catalogue, SLOTS
 from hst_drive.identify.evidence import Probability
@@ -93,7 +93,8 @@ def effect_card(found: dict) -> Markup:
                      told or f'{number(low, 4)} to {number(high, 4)}',
                      '' if unit == '1' else unit, parameter.meaning])
     removed = found.get('error_removed')
-    rivals = found.get('indistinguishable_from') or []
+    rivals = ['a unit that is further off' if entry == UNIT_ALONE else entry
+              for entry in found.get('indistinguishable_from') or ()]
     return element(
         'div', element('h3', effect.id.replace('_', ' '), ' ',
                        element('small', f'enters: {effect.enters}')),
@@ -103,8 +104,8 @@ def effect_card(found: dict) -> Markup:
               f'Size of {effect.id}'),
         element('p', f'It removes {100 * removed:.0f} % of the held-out error above the noise.')
         if removed else '',
-        element('p', 'These logs cannot tell it from ', element('strong', ', '.join(rivals)), '.',
-                class_='warning') if rivals else '',
+        element('p', 'These logs do not rule out ', element('strong', ' or '.join(rivals)),
+                ' in its place.', class_='warning') if rivals else '',
         element('p', GAUGE_CLASS) if effect.zero_of else '',
         element('p', element('b', 'What the data look like: '), effect.telltale),
         element('p', element('b', 'Term: '), SLOTS[effect.slot].meaning),
