@@ -23,7 +23,7 @@ from bench.visible import detectable
 from bench.visible_circuits import visible
 from hst_drive.bag import read_log
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 from hst_drive.errors import InputError
 from hst_drive.rig import load_rig
 

@@ -24,7 +24,7 @@ from bench.score import report, right
 from bench.sizes import sizes
 from bench.visible import detectable, visible
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 import numpy as np
 
 

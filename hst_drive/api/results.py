@@ -326,7 +326,7 @@ class Diagnosis(Result):
         return rows
 
     def _document(self) -> dict[str, Any]:
-        from hst_drive.diagnose.document import as_json
+        from hst_drive.diagnose.result import as_json
 
         return as_json(self.result)
 

@@ -149,7 +149,7 @@ def _diagnosed(runs: list[Run], folder: Path) -> str | None:
     from hst_drive.cli.output import write_json, write_yaml
     from hst_drive.diagnose.adopt import adopt
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.diagnose.document import as_json
+    from hst_drive.diagnose.result import as_json
     from hst_drive.report.diagnosis import text
     from hst_drive.rig import default_rig_file, load_rig
     from hst_drive.rig.yaml_file import read_yaml

@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     """Diagnose and print."""
     from hst_drive.diagnose.commission import commission
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.diagnose.document import as_json
+    from hst_drive.diagnose.result import as_json
     from hst_drive.report.diagnosis import text
     from hst_drive.rig import parse_rig
     from hst_drive.rig.yaml_file import read_yaml

@@ -161,7 +161,7 @@ def _diagnosis(args: argparse.Namespace, rig: Rig, runs: list[Run]) -> tuple[dic
         say(remark)
         return None, remark
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.diagnose.document import as_json
+    from hst_drive.diagnose.result import as_json
 
     training = runs[:len(args.logs)]
     result = diagnose(rig, training, runs[len(args.logs):],

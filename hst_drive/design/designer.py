@@ -9,10 +9,10 @@ from hst_drive.design.families import FAMILIES
 from hst_drive.design.separation import CLEAR, driver, Record, Rehearsal, verify
 from hst_drive.design.trials import (
     ease, plain_drilling, scenario, Segment, SPIN_UP, Trial)
+from hst_drive.identify.fit import each
 from hst_drive.identify.model import Model
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario, Scenario
-from hst_drive.measure.threads import each
 from hst_drive.model import usual_sensors
 from hst_drive.rig import Rig
 import numpy as np

@@ -85,13 +85,15 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '
                          f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
                          'with this one')
-    adopted = with_delays(deepcopy(rig), _delays(diagnosis, source))
+    adopted = with_delays(deepcopy(rig), _numbers(
+        diagnosis, source, 'sensor_delays', 'channel', 'value'))
     found = {name: _values(entry, source) for name, entry in zip(names, effects)}
     gone = {name for name, entry in zip(names, effects) if entry.get('change') == 'gone'}
     adopted['effects'] = {name: values for name, values
                           in {**(rig.get('effects') or {}), **found}.items() if name not in gone}
     factors = dict(rig.get('calibration') or {})
-    moved = _factors(diagnosis, source)
+    moved = _known_factors(_numbers(diagnosis, source, 'calibration', 'quantity', 'factor'),
+                           source, 'calibration')
     if formula:
         moved = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
     if calibration or SECTION not in rig:
@@ -166,25 +168,13 @@ def _beside(effects: list[dict], diagnosis: dict, source: str) -> list[dict]:
     return moved
 
 
-def _factors(diagnosis: dict, source: str) -> dict[str, float]:
-    """Return the factor on each quantity by which the unit is off its datasheet."""
+def _numbers(diagnosis: dict, source: str, where: str, what: str, number: str) -> dict[str, float]:
+    """Return the numbers by name that a list of a diagnosis tells."""
     try:
-        factors = {entry['quantity']: float(entry['factor'])
-                   for entry in diagnosis.get('calibration', [])}
+        return {str(entry[what]): float(entry[number]) for entry in diagnosis.get(where, [])}
     except (KeyError, TypeError, ValueError):
-        raise InputError(f"{source}: key 'calibration' is not a list of quantities with factors; "
-                         'write the diagnosis again') from None
-    return _known_factors(factors, source, 'calibration')
-
-
-def _delays(diagnosis: dict, source: str) -> dict[str, float]:
-    """Return how late each sensor reads, s: without that what was found does not explain."""
-    try:
-        return {str(entry['channel']): float(entry['value'])
-                for entry in diagnosis.get('sensor_delays', [])}
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"{source}: key 'sensor_delays' is not a list of channels with values; "
-                         'write the diagnosis again') from None
+        raise InputError(f"{source}: key '{where}' is no list with '{what}' and "
+                         f"'{number}' in each entry; write the diagnosis again") from None
 
 
 def _known_factors(factors: object, source: str, where: str) -> dict[str, float]:

@@ -10,6 +10,8 @@ explain all, causes with one number or two are tried alone: a reading that is wr
 span, and a number of the datasheet that is off by more than its tolerance. Of what explains the
 recordings as well the simpler is the better answer (H. Jeffreys, Theory of Probability, Oxford
 1939). A listed effect of the same sensor alone stays: the cause is only another formula of it.
+
+So is what makes recordings unlike each other: one that is odd, or several drives.
 """
 from __future__ import annotations
 
@@ -24,11 +26,12 @@ from hst_drive.diagnose.result import Unknown
 from hst_drive.diagnose.unlisted import Unlisted
 from hst_drive.effects import catalogue
 from hst_drive.effects.formula import FORMULAS
+from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.fit import at_limit, Fit, fit, limited, PATIENT
+from hst_drive.identify.fit import at_limit, each, Fit, fit, limited, PATIENT
+from hst_drive.identify.judge import parts, unexplained
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import BEAM, Candidate, Search
-from hst_drive.measure.threads import each
 import numpy as np
 
 _WIDER = 12.0       # times the tolerance that a wrong number of the datasheet may have
@@ -153,3 +156,39 @@ def _off(search: Search, key: str, found: Fit, many: float) -> Trial:
         what += f', or {said(_OR_ELSE[key], -change)},'
     return Trial(what, found, Unknown(
         _NUMBERS[key], search.campaign.signals[0], (), what))
+
+
+def outlier_record(campaign: Campaign) -> tuple[int, str] | None:
+    """
+    Return the number of the odd recording and what is different there, if one is.
+
+    Physics that a model lacks is there in all recordings that visit where it shows. Where all but
+    one are explained, and that one is once a sensor's zero and span are set right, something was
+    different there: the unit in a column's heading, a sensor that was changed, another machine.
+    """
+    if len(campaign.replays) < 3:   # of two nobody could tell which is odd
+        return None
+    for log in range(len(campaign.replays)):
+        others = campaign.of_logs(lambda index: index != log)
+        if not any(len(column.fit) for column in others.columns):
+            continue
+        unit = calibrated(others)
+        if _left(others, unit):
+            continue
+        alone = campaign.of_logs(lambda index: index == log, all_to_fit=True)
+        for form in misreadings(campaign):
+            start = with_start(unit.model, form)
+            if not _left(alone, fit(alone, start, iterations=PATIENT)):
+                return log, form.what
+    return None
+
+
+def several_drives(campaign: Campaign) -> bool:
+    """Say whether each recording alone is explained, though not all are by one unit."""
+    alone = (campaign.of_logs(lambda index, log=log: index == log, all_to_fit=True)
+             for log in range(len(campaign.replays)))
+    return len(campaign.replays) > 1 and not any(_left(one, calibrated(one)) for one in alone)
+
+
+def _left(campaign: Campaign, fitted: Fit) -> bool:
+    return any(unexplained(campaign, fitted, {}, part) for part in parts(campaign))

@@ -72,8 +72,8 @@ def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign |
 def _most_of_it(search: Search, best: Candidate, other: Campaign, full: Candidate) -> bool:
     """Say whether a set, fitted in another campaign, explains most of what the best one leaves."""
     late = {*limited(other, full.fit)} & other.delays.keys()
-    return not late and log_odds_of(search, best, other, full) > CREDIBLE and beyond_noise(
-        other, full.fit) <= REST * beyond_noise(search.campaign, best.fit)
+    return not late and log_odds_of(search, best, other, full.fit, True) > CREDIBLE and (
+        beyond_noise(other, full.fit) <= REST * beyond_noise(search.campaign, best.fit))
 
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:

@@ -154,7 +154,8 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         rig, law = _with_oil_law(rig, source, runs)
         made, within = _of_make(rig, source)
     campaign = campaign_of(within, runs)
-    if curve := {key: curve[key] for key in curve.keys() - campaign.tolerances.keys()}:
+    if curve := {key: made.calibration.get(key, 1.0) * curve[key]
+                 for key in curve.keys() - campaign.tolerances.keys()}:
         rig = {**rig, 'calibration': {**(rig.get('calibration') or {}), **curve}}
         made, within = _of_make(rig, source)
         campaign = campaign_of(within, runs)

@@ -8,10 +8,9 @@ from typing import Callable, Mapping, Sequence
 from hst_drive.channels import CHANNELS
 from hst_drive.design.design import in_short
 from hst_drive.design.rivals import told_apart
-from hst_drive.diagnose.causes import one_cause
+from hst_drive.diagnose.causes import one_cause, outlier_record, several_drives
 from hst_drive.diagnose.choose import (
     doubted, exchanged, instead_of_the_unit, likeliest, oil_told, searched)
-from hst_drive.diagnose.poolability import outlier_record, several_drives
 from hst_drive.diagnose.result import (
     Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Unknown, Value)
 from hst_drive.diagnose.sentence import (
@@ -22,7 +21,6 @@ from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_re
 from hst_drive.effects import effect_of
 from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.errors import InputError
-from hst_drive.identify.alternatives import alternatives, RIVALS_TRIED
 from hst_drive.identify.campaign import Campaign, ELSEWHERE
 from hst_drive.identify.conditions import oil_untold, outside
 from hst_drive.identify.evidence import decided
@@ -32,7 +30,8 @@ from hst_drive.identify.judge import excess, over_own_floors
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.search import Candidate, Search
-from hst_drive.identify.standing import forms, standing, without
+from hst_drive.identify.standing import (
+    alternatives, forms, RIVALS_TRIED, standing, without)
 from hst_drive.identify.weigh import log_odds, weigh
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run

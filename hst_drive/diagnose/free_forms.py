@@ -17,7 +17,7 @@ from hst_drive.identify.fit import Fit, fit
 from hst_drive.identify.judge import excess, parts, PRACTICAL
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
-from hst_drive.identify.weigh import log_odds_unlisted
+from hst_drive.identify.weigh import log_odds_of
 import numpy as np
 
 REST = 0.25            # of the excess squared error: who leaves more explains something else
@@ -77,7 +77,7 @@ def better(search: Search, best: Candidate, trial: Fit, campaign: Campaign,
     the set is not as simple, they must only not be far less likely.
     """
     least = -CREDIBLE if simpler else -log(DECIDED) if left else CREDIBLE
-    if log_odds_unlisted(search, best, campaign, trial) <= least:
+    if log_odds_of(search, best, campaign, trial, False) <= least:
         return False
     if not search.unexplained(best._replace(fit=trial)):
         return True

@@ -20,7 +20,7 @@ from hst_drive.identify.fit import Fit
 from hst_drive.identify.zeros import as_read
 from hst_drive.measure.circuit import CircuitReplay
 from hst_drive.measure.part import PartReplay
-from hst_drive.measure.turns import SLOW
+from hst_drive.measure.turns import SLOW, turn
 from hst_drive.measure.where import AT_NOISE
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
@@ -220,5 +220,5 @@ def _from_balance(campaign: Campaign, model: Fit, location: Location,
         return None
     own = campaign.replays[index].inputs.get('motor_angle')
     if own is not None and 'motor_angle' in replay.inputs:
-        replay.turn(float(own[0] - replay.inputs['motor_angle'][0]))
+        turn(replay, float(own[0] - replay.inputs['motor_angle'][0]))
     return location.sign * (replay.run[signal] - replay.predict(part)[signal])

@@ -186,7 +186,7 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
 def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
     """Fit a timing, and the unit, in turn."""
     campaign, number, kept = search.campaign, 0.0, set()
-    if timing.enters == DEAD_TIME.enters:
+    if not timing.signal:
         # What is tried says all of what stands before the plate.
         kept = {('', key) for key in ONE_SIDED}
         fitted = fitted._replace(model=replace(fitted.model, factors={
@@ -196,8 +196,10 @@ def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:
         fitted = fit(with_timing(campaign, timing, number), fitted.model,
                      known=search.base.columns, kept=kept)
     what = timing.told(number)
-    return Trial(what, fitted, Unknown(timing.enters, timing.signal or campaign.signals[0],
-                                       (timing.depends_on,), timing.where + what))
+    return Trial(what, fitted, Unknown('sensor', timing.signal, (timing.signal,), what)
+                 if timing.signal else Unknown(
+                     'pump_actuator', campaign.signals[0], ('pump_command',),
+                     f'the pump follows its command with {what}'))
 
 
 def _best_number(campaign: Campaign, timing: Timing, _: float, model: Model) -> float:

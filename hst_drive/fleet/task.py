@@ -96,7 +96,7 @@ def _tracked(campaign: Campaign, effects: Mapping[str, Mapping[str, float]]) -> 
 def _diagnosis(campaign: Campaign) -> object:
     from hst_drive.bag.campaign import read_logs
     from hst_drive.diagnose.decide import diagnose
-    from hst_drive.diagnose.document import as_json
+    from hst_drive.diagnose.result import as_json
     from hst_drive.rig import load_rig
 
     rig = load_rig(campaign.rig)

@@ -103,7 +103,7 @@ def _sizes(rig: Rig, runs: Sequence[Run],
     unknowns = found.unknowns
     values, variances = found.values, np.diag(found.covariances)
     # That no machine follows a formula exactly is the same on all dates.
-    form = FORM * (values - unknowns.mix(found.before))
+    form = FORM * (values - found.before)
     form[:unknowns.factors] = 0.0
     offsets = _offsets(found, rig, oil)
     sizes: Sizes = {}
@@ -126,8 +126,7 @@ def _size(parameter: str, unit: str, value: float, variance: float,
 
 def _offsets(found: Spread, rig: Rig, oil: bool) -> np.ndarray:
     """Return one standard deviation of what the machine's own numbers do to all its sizes."""
-    unknowns = found.unknowns
-    moved = unknowns.mix(found.unit)
+    unknowns, moved = found.unknowns, found.unit
     mixed = unknowns.mix(np.eye(len(moved)))[:unknowns.factors, :unknowns.factors]
     # What differs from day to day is in each size by itself, and so is the oil if it is free.
     share = rig.fingerprint.day_to_day if rig.fingerprint else 0.0

@@ -17,7 +17,7 @@ from hst_drive.effects import catalogue, Effect, effect_of, Parameter
 from hst_drive.effects.leakage_temperature import OIL_LAW
 from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
-from hst_drive.identify.conditions import faults_of, learnt, moved, prior
+from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import as_read, DELAY, delays_of, zeros_of
@@ -119,11 +119,6 @@ class Campaign:
     def starts_known(self) -> bool:
         """Whether the machine's own starts from rest are known (``Fingerprint.starts``)."""
         return bool(not self.by_balance and self.rig.fingerprint and self.rig.fingerprint.starts)
-
-    @property
-    def learnt(self) -> set[str]:
-        """Adopted effects that were found in logs, and are as far off their formulas."""
-        return learnt(self.rig)
 
     @property
     def sigmas(self) -> dict[str, float]:
@@ -265,11 +260,15 @@ class Campaign:
             for log, split in enumerate(self._splits)])
 
     def for_sizes(self, errors: Sequence[np.ndarray]) -> Campaign:
-        """
-        Return the campaign that sizes are taken from, for a model that leaves these errors.
+        """Return the campaign that sizes are taken from, for a model that leaves these errors."""
+        return self.without_starts()
 
-        Starts tell that something is there, but not how much of it: when the drive breaks away
-        hangs on all that came before.
+    def without_starts(self) -> Campaign:
+        """
+        Return the campaign without the rows of starts.
+
+        They tell that an effect is there, but neither how much of it nor that something else is:
+        when a drive breaks away hangs on all that came before.
         """
         return self._changed(_splits=[
             split * usable for split, usable in zip(self._splits, self.usable)

@@ -8,17 +8,19 @@ tens of thousands of samples a prior alone is outvoted, and the factors would ea
 """
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import count as count_from
+import os
 from types import MappingProxyType
-from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import (
+    Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence, TypeVar)
 
 from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.model import Model
 from hst_drive.identify.unknowns import SIGMAS, Unknowns
-from hst_drive.measure.threads import each
 import numpy as np
 
 # Steps of the differences: of a tolerance for the unit's factors, relative for parameters. The
@@ -30,6 +32,13 @@ _MOST, _FALLS = 20, 0.1     # steps; of the cost, that a step beyond those asked
 _AS_SAID = 0.75  # of what a step should gain: below, the Jacobian has changed on the way
 FORM = 0.04     # of a size, relative standard deviation: no machine follows a formula exactly
 ErrorsAt = Callable[[np.ndarray], list[np.ndarray]]
+_Item, _Found = TypeVar('_Item'), TypeVar('_Found')
+
+
+def each(work: Callable[[_Item], _Found], items: Iterable[_Item]) -> Iterator[_Found]:
+    """Yield what a function returns for each item, in their order: compiled work on all cores."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        yield from pool.map(work, items)
 
 
 class Fit(NamedTuple):

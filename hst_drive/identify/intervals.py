@@ -24,28 +24,18 @@ from scipy.special import ndtri
 
 class Spread(NamedTuple):
     """
-    What is known of a fit's unknowns: their vector and its covariance, each in its scale.
+    What is known of a fit's unknowns: their values and covariances, SI.
 
-    ``before`` is the vector without the effects: adopted sizes, else 0. ``unit``, a column each:
+    ``before`` are the values without the effects: adopted sizes, else 0. ``unit``, a column each:
     how the estimates move with what this unit is off the make in each of its unknowns, by a
     tolerance or as far as it is out.
     """
 
     unknowns: Unknowns
-    vector: np.ndarray
-    covariance: np.ndarray
+    values: np.ndarray
+    covariances: np.ndarray
     before: np.ndarray
     unit: np.ndarray
-
-    @property
-    def values(self) -> np.ndarray:
-        """The unknowns, SI."""
-        return self.unknowns.mix(self.vector)
-
-    @property
-    def covariances(self) -> np.ndarray:
-        """Their covariance, SI."""
-        return self.unknowns.mix(self.unknowns.mix(self.covariance).T)
 
 
 def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
@@ -81,7 +71,9 @@ def spread(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {},
     # An effect's number that moves nothing is not known at all: ten times its range.
     still = ~jacobian.any(axis=0) & ~unit
     covariance[still, still] = (10.0 * (above - below)[still])**2
-    return Spread(unknowns, vector, covariance, before, (inverse * out)[:, :unknowns.factors])
+    mix = unknowns.mix
+    return Spread(unknowns, mix(vector), mix(mix(covariance).T), mix(before),
+                  mix((inverse * out)[:, :unknowns.factors]))
 
 
 def _whole(campaign: Campaign, fitted: Fit, unknowns: Unknowns,
@@ -107,7 +99,7 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}
     found = spread(campaign, fitted, forms)
     unknowns, values = found.unknowns, found.values
     width = ndtri(0.975) * np.sqrt(np.diag(found.covariances))
-    away = values - unknowns.mix(found.before)
+    away = values - found.before
     first = {(name, next(iter(shape))) for name, shape in fitted.model.effects.items()}
     open_ = np.array([name in first for name in unknowns.names], dtype=bool) & (
         width >= np.abs(away)) & (width < np.ptp(unknowns.bounds, axis=1)) & (away != 0.0)

@@ -98,6 +98,7 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     command stepped, and what a sensor reads at zero, is not known; and what no two rows have in
     common is noise, more of it than the floors know (``recording``).
     """
+    campaign = campaign.without_starts()
     own, fitted = over_own_floors(campaign, model)
     left = _beyond(campaign, own, own.ratios(fitted.errors, held_out), done, held_out)
     if not left:

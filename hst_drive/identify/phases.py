@@ -14,7 +14,7 @@ from hst_drive.effects import catalogue
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import Fit
 from hst_drive.identify.model import Model
-from hst_drive.measure.turns import into_step, SLOW, swinging
+from hst_drive.measure.turns import into_step, SLOW, swinging, turn
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -63,7 +63,7 @@ def once_a_turn(campaign: Campaign, fitted: Fit, sizes: Sequence[np.ndarray]) ->
             phase = float(np.angle(np.sum(swing * np.exp(-1j * replay.inputs['motor_angle']))))
             for count in counts:
                 phase = round(phase * count / (2 * np.pi)) * 2 * np.pi / count
-            replay.turn(phase)
+            turn(replay, phase)
     return turned
 
 

@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import Iterator, TYPE_CHECKING
 
 from hst_drive.effects import effect_of
+from hst_drive.identify.fit import each
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.shapes import shapes_of
 from hst_drive.identify.unknowns import Unknowns
-from hst_drive.measure.threads import each
 import numpy as np
 
 if TYPE_CHECKING:

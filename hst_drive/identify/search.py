@@ -15,8 +15,9 @@ from typing import Callable, NamedTuple, Sequence
 from hst_drive.effects import effect_of, flexible
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.conditions import learnt
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, STRONG
-from hst_drive.identify.fit import ended, Fit, fit, score
+from hst_drive.identify.fit import each, ended, Fit, fit, score
 from hst_drive.identify.judge import (
     contribution, matters, parts, PRACTICAL, taken, unexplained)
 from hst_drive.identify.phases import in_step
@@ -24,7 +25,6 @@ from hst_drive.identify.score_test import score_test
 from hst_drive.identify.shapes import shapes_of, with_usual_shapes
 from hst_drive.identify.starts import starts
 from hst_drive.identify.weigh import log_odds
-from hst_drive.measure.threads import each
 import numpy as np
 
 MOST_EFFECTS = 4
@@ -54,9 +54,9 @@ class Search:
         self.progress = progress
         self.base = calibrated(campaign)
         # The same unit without what logs told of it: all that is taken away is off its formulas.
+        told = {name: effect_of(name).neutral for name in learnt(campaign.rig)}
         self.bare = self.base._replace(errors=campaign.errors(replace(
-            self.base.model, effects={name: effect_of(name).neutral for name in campaign.learnt}
-        ))) if campaign.learnt else self.base
+            self.base.model, effects=told))) if told else self.base
         self.campaign = in_step(campaign, self.base.model, self.base.errors)
         self.baseline = Candidate((), self.base, self.score(self.base))
         self._known: dict[tuple[str, ...], Candidate] = {(): self.baseline}

@@ -13,18 +13,20 @@ from __future__ import annotations
 from math import inf, log
 from typing import Collection
 
-from hst_drive.effects import effect_of
+from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.base import arguments, FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.evidence import BASELINE, DECIDED
+from hst_drive.identify.evidence import BASELINE, CREDIBLE, DECIDED
 from hst_drive.identify.fit import at_ends, Fit, for_sizes
-from hst_drive.identify.judge import contribution, excess, over_own_floors
+from hst_drive.identify.judge import contribution, excess, over_own_floors, PRACTICAL
 from hst_drive.identify.model import Model
+from hst_drive.identify.score_test import score_test
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds
 from hst_drive.measure.where import AT_NOISE
 import numpy as np
 
+RIVALS_TRIED = 6
 _MOST_LEFT = 0.5    # of what an effect takes away: with more its interval would hold zero
 
 
@@ -100,3 +102,29 @@ def without(search: Search, best: Candidate, out: Collection[str]) -> Candidate:
 def _rest(best: Candidate, out: Collection[str]) -> tuple[tuple[str, ...], Fit]:
     kept = tuple(name for name in best.names if name not in out)
     return kept, best.fit.only(kept)
+
+
+def alternatives(search: Search, best: Candidate, name: str) -> tuple[str, ...]:
+    """Return the effects that could stand in the place of one of those found, likeliest first."""
+    kept = best.fit.without(name)
+    others = tuple(entry for entry in best.names if entry != name)
+    scores = {entry: search.single(entry).score for entry in search.candidates
+              if entry not in best.names}
+    singles = sorted(scores, key=scores.get)
+    # Who leaves hardly more than the best is tried, too.
+    limit = best.score + PRACTICAL * (search.baseline.score - best.score)
+    alike = [entry for entry in singles
+             if entry in catalogue()[name].alike or scores[entry] <= limit]
+    if others:
+        # Beside others the best alone may be what explains those.
+        fewer = search.try_all([(others, kept)], 'trying rivals')[0]
+        share = {entry: found for found, entry in score_test(search, fewer)}
+        singles.sort(key=lambda entry: -share[entry])
+    tried = dict.fromkeys((*singles[:RIVALS_TRIED], *alike))
+    # Alone they were fitted from a unit that was calibrated without any effect: try from here.
+    found = search.try_all([((*others, entry), kept) for entry in tried], 'trying rivals',
+                           again=True)
+    held = [(new, entry) for new, entry in zip(tried, found)
+            if not at_ends(search.campaign, entry.fit.model, new)]
+    odds = log_odds(search, [best, *(entry for _, entry in held)])[1:]
+    return tuple(held[index][0] for index in np.argsort(-odds) if odds[index] >= -CREDIBLE)

@@ -24,18 +24,14 @@ class Timing(NamedTuple):
     A way to answer: ``change(campaign, number)`` changes a copy of a campaign.
 
     ``told(number)`` says what it is, for numbers between ``bounds`` (None: of a delay, which rows
-    tell without a simulation), ``where`` it is comes before;
-    ``enters``, ``signal`` (empty: any) and ``depends_on`` say the same for a program.
+    tell without a simulation). ``signal`` is the reading that is late; '': the pump is.
     """
 
     change: Callable[[Campaign, float], None]
     told: Callable[[float], str]
-    bounds: tuple[float, float] | None
-    resolved: float
-    where: str = 'the pump follows its command with '
-    enters: str = 'pump_actuator'
+    bounds: tuple[float, float] | None = None
+    resolved: float = 0.0
     signal: str = ''
-    depends_on: str = 'pump_command'
 
 
 def with_timing(campaign: Campaign, timing: Timing, number: float) -> Campaign:
@@ -86,8 +82,8 @@ def reads_late(signal: str) -> tuple[Timing, Timing]:
         early = 'lead' if delay < 0.0 else 'lag'
         return f'a {early} of {1e3 * abs(delay):.0f} ms in the reading of {CHANNELS[signal].title}'
 
-    place = '', 'sensor', signal, signal
-    return Timing(filtered, told, (1e-3, 1.0), 1e-3, *place), Timing(moved, told, None, 0, *place)
+    return (Timing(filtered, told, (1e-3, 1.0), 1e-3, signal),
+            Timing(moved, told, signal=signal))
 
 
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',

@@ -45,24 +45,9 @@ class Unknowns:
             [campaign.ties.get((one, other), float(one == other))
              for _, one in factors for _, other in factors], (len(factors), -1 if factors else 0)))
         self._root = (vectors * np.sqrt(values)) @ vectors.T
-        self._parameter, self._least = campaign.parameter, campaign.least
-        self.scale = np.array([self._scale(*name) for name in self.names])
-        limits = [self._limits(*name) for name in self.names]
-        self.bounds = np.array(limits).reshape(-1, 2)       # SI
+        ranges = np.array([_range(campaign, *name) for name in self.names]).reshape(-1, 3)
+        self.scale, self.bounds = ranges[:, 0], ranges[:, 1:]      # SI
         self.low, self.high = (self.bounds / self.scale[:, None]).T
-
-    def _scale(self, effect: str, key: str) -> float:
-        if not effect:
-            return self.tolerances[key]
-        parameter = self._parameter(effect, key)
-        return abs(parameter.typical) or max(parameter.high, -parameter.low)
-
-    def _limits(self, effect: str, key: str) -> tuple[float, float]:
-        if not effect:
-            most = SIGMAS * self.tolerances[key]
-            return max(-most, self._least(key)), most
-        parameter = self._parameter(effect, key)
-        return parameter.low, parameter.high
 
     def mix(self, vectors: np.ndarray) -> np.ndarray:
         """Return values, SI, of vectors of the unknowns, or columns of such vectors."""
@@ -90,3 +75,12 @@ class Unknowns:
             known = effects[effect] if effect else read.get(key, factors)
             known[key] = float(value)
         return Model(effects, factors, zeros, delays)
+
+
+def _range(campaign: Campaign, effect: str, key: str) -> tuple[float, float, float]:
+    """Return in what an unknown is counted, and its bounds, SI."""
+    if not effect:
+        sigma = campaign.sigmas[key]
+        return sigma, max(-SIGMAS * sigma, campaign.least(key)), SIGMAS * sigma
+    entry = campaign.parameter(effect, key)
+    return abs(entry.typical) or max(entry.high, -entry.low), entry.low, entry.high

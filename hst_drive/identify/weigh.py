@@ -97,16 +97,11 @@ def log_odds(search: Search, entries: Sequence[Candidate]) -> np.ndarray:
     return _odds(search, [(entry.names, search.campaign, entry.fit, True) for entry in entries])
 
 
-def log_odds_of(search: Search, best: Candidate, campaign: Campaign, other: Candidate) -> float:
-    """Return the log odds of a set that was fitted in another campaign against one."""
+def log_odds_of(search: Search, best: Candidate, campaign: Campaign, fitted: Fit,
+                listed: bool) -> float:
+    """Return the log odds against a set of a fit in another campaign, with something unlisted."""
     return float(_odds(search, [(best.names, search.campaign, best.fit, True),
-                                (other.names, campaign, other.fit, True)])[1])
-
-
-def log_odds_unlisted(search: Search, best: Candidate, campaign: Campaign, fitted: Fit) -> float:
-    """Return the log odds of something unlisted, fitted in a campaign, against a set."""
-    return float(_odds(search, [(best.names, search.campaign, best.fit, True),
-                                (_listed(search, fitted), campaign, fitted, False)])[1])
+                                (_listed(search, fitted), campaign, fitted, listed)])[1])
 
 
 def _odds(search: Search,

@@ -13,8 +13,8 @@ from typing import Any
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table, lacking, what_would_close
-from hst_drive.measure.between import Between, HELD
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
+from hst_drive.measure.commands import Between, HELD
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
@@ -40,10 +40,7 @@ class CircuitReplay(PartReplay):
 
     def __init__(self, run: Run, model: CircuitModel):
         self._judged: dict[str, np.ndarray] = {}
-        self._ratio: np.ndarray | None = None
         super().__init__(run, model)
-        if 'oil_temperature' in self._channels:
-            self._ratio = model.rig.viscosity_ratio(self._channels['oil_temperature'])
         between = Between.rows(model.rig, run.sample_time)
         course = self._fill_in(model, between) if between.steps > 1 else {}
         self.extra_std = {name: np.hypot(std, course.get(name, 0.0))
@@ -152,8 +149,6 @@ class CircuitReplay(PartReplay):
     def _state(self, model: PartModel, channels: dict[str, np.ndarray],
                before: float = SETTLES) -> dict[str, Any]:
         assert isinstance(model, CircuitModel)
-        if self._ratio is not None:
-            channels = {**channels, 'viscosity_ratio': self._ratio}
         return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
                     self._behind(model, channels), before)
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from typing import Mapping, NamedTuple
 
 from hst_drive.measure.run import FEWEST
+from hst_drive.rig import Rig
 import numpy as np
 from scipy.ndimage import maximum_filter1d, uniform_filter1d
 
@@ -22,6 +23,35 @@ _SLOWER = 0.1           # share by which that may be off the median of their dis
 _OF_LATE = 0.5          # s, for which a step of a command moves the drive
 _UNEVEN = 0.2           # of the time between rows: what varies more has no rows of its own
 _CONTRARY = 0.05        # share of the changes that may contradict; by chance it is a quarter
+HELD = 0.9      # of the misfit of moving commands: below, held ones are nearer to the truth
+_USUAL = 0.01   # s between steps of a controller that the rig does not describe
+
+
+class Between(NamedTuple):
+    """How many steps lie from row to row, and whether a command is held over them or moves."""
+
+    steps: int
+    held: bool = True
+
+    @classmethod
+    def rows(cls, rig: Rig, sample_time: float) -> Between:
+        """Return the steps between the rows of a record (s)."""
+        period = rig.controller.sample_time if rig.controller else _USUAL
+        return cls(max(int(round(sample_time / period)), 1))
+
+    def finer(self, values: np.ndarray, command: bool = False) -> np.ndarray:
+        """Return values, shape (n,), at the steps between the rows, too."""
+        if self.steps == 1:
+            return values
+        n = len(values)
+        places = np.arange((n - 1) * self.steps + 1) / self.steps
+        if command and self.held:
+            return values[places.astype(int)]
+        return np.interp(places, np.arange(n), values)
+
+    def mean_of_rows(self, command: np.ndarray) -> np.ndarray:
+        """Return what a command is on average from each row to the next, if it moves."""
+        return command + np.diff(command, append=command[-1]) * (self.steps - 1) / (2 * self.steps)
 
 
 class Steps(NamedTuple):

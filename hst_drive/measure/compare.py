@@ -13,7 +13,7 @@ from hst_drive.measure.balances import is_part
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.closed_loop import closed_loop_signals, command_floor, command_noise
 from hst_drive.measure.errors import ErrorSummary, Moments, summarise
-from hst_drive.measure.judged import everything, Judged, judged
+from hst_drive.measure.judged import Judged, judged
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.readings import best_delay, LONGEST_DELAY
 from hst_drive.measure.replay import Replay
@@ -163,7 +163,7 @@ def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False
     """Do what ``compare`` does with one recording, but for the regions of the error."""
     refuse_still(run)
     bench = isinstance(drive, PartModel) and 'pump_command' not in run
-    count = (everything if all_seconds or bench else judged)(run)
+    count = Judged(np.ones(len(run), dtype=bool)) if all_seconds or bench else judged(run)
     replay, shift, model, floor = _aligned(run, drive, count)
     run = replay.run
     noise = dict(replay.noise)

@@ -52,11 +52,6 @@ class Judged(NamedTuple):
         return sum(span.end - span.start for span in self.left_out)
 
 
-def everything(run: Run) -> Judged:
-    """Return that every sample counts."""
-    return Judged(np.ones(len(run), dtype=bool))
-
-
 def judged(run: Run) -> Judged:
     """Return which samples of a recording of the whole drive count."""
     time = run.time - run.time[0]
@@ -87,9 +82,14 @@ def _starting(run: Run) -> np.ndarray:
 
 
 def start_of(run: Run) -> np.ndarray:
-    """Tell the rows of a start that other starts of the machine foretell: without a void."""
-    pressure = run.channels.get('pump_outlet_pressure', np.zeros(len(run)))
-    return _starting(run) & ~(pressure < -CAVITATING)
+    """
+    Tell the rows of a start that other starts of the machine foretell.
+
+    Those in which the oil has no void; none if it breaks away later than a start is looked for.
+    """
+    rows, pressure = _starting(run), run.channels.get('pump_outlet_pressure', np.zeros(len(run)))
+    late = (rows & (run.time - run.time[0] > _START + _AFTER - _SOON)).any()
+    return rows & ~(pressure < -CAVITATING) & (not late)
 
 
 def _in_motion(run: Run, time: np.ndarray) -> np.ndarray:

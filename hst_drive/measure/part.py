@@ -137,10 +137,6 @@ class PartReplay:
         speed = self._channels.get('motor_speed', np.zeros(1))
         return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
 
-    def turn(self, angle: float) -> None:
-        """Let the shaft have stood further by an angle (rad) at the start."""
-        self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}
-
     def _noise_of(self, name: str, model: PartModel) -> float:
         """Return a sensor's noise: from the record, or as stated for a table."""
         sensor = model.rig.sensors.get(name, Sensor(0.0))

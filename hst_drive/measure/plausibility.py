@@ -9,6 +9,7 @@ factor, or parts from both as time passes, it is that one's sensor, unit or cloc
 """
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Mapping, NamedTuple, Sequence
 
 from hst_drive.channels import CHANNELS, COMMANDS, PRESSURES, TORQUES
@@ -209,8 +210,7 @@ def _factor(group: Group, sure: bool = False) -> list[str]:
     names = list(group.values)
     for name in names:
         others = [other for other in names if other != name]
-        pairs = [_ratio(group.values[a], group.values[b]) for i, a in enumerate(others)
-                 for b in others[i + 1:]]
+        pairs = [_ratio(group.values[a], group.values[b]) for a, b in combinations(others, 2)]
         against = [_ratio(group.values[name], group.values[other]) for other in others]
         if not pairs or not all(map(_alike, pairs)) or any(map(np.isnan, against)):
             continue
@@ -259,8 +259,7 @@ def _drift(group: Group) -> list[Drift]:
         own = [_trend(group, name, other) for other in others]
         sure = min(entry[1] for entry in own)
         change = float(np.median([entry[0] for entry in own]))
-        apart = max(abs(_trend(group, a, b)[0]) for i, a in enumerate(others)
-                    for b in others[i + 1:])
+        apart = max(abs(_trend(group, a, b)[0]) for a, b in combinations(others, 2))
         if sure > max(best, _SURE) and abs(change) > _DRIFT * size \
                 and size > group.least and apart < _ALONE * abs(change):
             best = sure

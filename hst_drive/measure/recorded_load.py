@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Iterator
 
-from hst_drive.measure.between import Between
+from hst_drive.measure.commands import Between
 from hst_drive.measure.noise import Coloured, Smoother
 from hst_drive.measure.readings import earlier, filled, Readings
 from hst_drive.measure.run import Run
@@ -54,8 +54,7 @@ class RecordedLoad:
         angle = self.inputs.get('motor_angle')
         if angle is not None:
             angle = self.between.finer(angle)
-        return self.between.at_rows(
-            drive.load_torque(time, command, speed, temperature, angle))
+        return drive.load_torque(time, command, speed, temperature, angle)[::self.between.steps]
 
     def _true_speed(self, drive: Drive, reading: np.ndarray | None = None) -> np.ndarray:
         """Return the speed (rad/s) behind a reading of it, by default what was measured."""

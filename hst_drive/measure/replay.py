@@ -17,8 +17,7 @@ from typing import Mapping
 
 from hst_drive.channels import COMMANDS, TORQUES
 from hst_drive.errors import InputError
-from hst_drive.measure.between import Between, HELD
-from hst_drive.measure.commands import controller_steps
+from hst_drive.measure.commands import Between, controller_steps, HELD
 from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, variance_ratio
 from hst_drive.measure.readings import bridged, earlier, filled, later, Readings
@@ -97,12 +96,11 @@ class Replay(RecordedLoad):
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] | None = None
         self._predicted: tuple[tuple, tuple, dict[str, np.ndarray]] | None = None
-        self._beginning = Beginning.of(
-            time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
+        known = {name: filled(run[name]) for name in self.signals}
+        self._beginning = Beginning.of(time, known, self.inputs['pump_command'])
         if self.torque and 'motor_speed' in run:
-            before = unsettled_load(drive, time, *(filled(run[name]) for name in (
-                self.torque, 'motor_speed')), *(self.inputs[name] for name in (
-                    'pprv_command', 'oil_temperature')))
+            before = unsettled_load(drive, time, known[self.torque], known['motor_speed'],
+                                    self.inputs['pprv_command'], temperature)
             if before is not None:
                 # A log may begin at a load step: then the PPRV comes from another command.
                 self.inputs['pprv_command'] = np.append(
@@ -116,10 +114,6 @@ class Replay(RecordedLoad):
         self._prepare(drive)
         if 'motor_speed' in run:
             into_step(self, drive)
-
-    def turn(self, angle: float) -> None:
-        """Let the shaft have stood further by an angle (rad) at the start."""
-        self.inputs = {**self.inputs, 'motor_angle': self.inputs['motor_angle'] + angle}
 
     def _misfit(self, drive: Drive, held: bool) -> float:
         """Return the squared error over the noise with one way to fill in the commands."""
@@ -163,7 +157,7 @@ class Replay(RecordedLoad):
         if extra is not None:
             finer['load_disturbance'] = finer['load_disturbance'] + extra
         signals = drive.simulate(self.between.finer(self.run.time), finer, self.start(drive))
-        return {name: self.between.at_rows(values) for name, values in signals.items()}
+        return {name: values[::self.between.steps] for name, values in signals.items()}
 
     def _correct(self, drive: Drive) -> None:
         """Find the coloured part of the unexplained torque, and the sensor's noise in it."""

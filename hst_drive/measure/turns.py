@@ -28,6 +28,11 @@ _NEAR = 1e-3    # of a swing: nearer than that is in step
 _APART = 1e-3   # of the two predictions' product: below they are the same, or opposite
 
 
+def turn(replay: Replay | PartReplay, angle: float) -> None:
+    """Let the shaft have stood further by an angle (rad) at the start."""
+    replay.inputs = {**replay.inputs, 'motor_angle': replay.inputs['motor_angle'] + angle}
+
+
 def swinging(model: Drive | PartModel) -> dict[str, float]:
     """Return the effects that are on and swing with the angle: how often in a turn, most first."""
     often = {name: _swing(model, name)[0] for name in model.effects}
@@ -51,7 +56,7 @@ def into_step(replay: Replay | PartReplay, model: Drive | PartModel) -> None:
         if known:
             # Whole periods of what agrees already.
             angle = round(angle * known / (2 * np.pi)) * 2 * np.pi / known
-        replay.turn(angle)
+        turn(replay, angle)
         known = count
 
 
@@ -63,7 +68,7 @@ def _start_angle(replay: Replay | PartReplay, model: Drive | PartModel, name: st
     for _ in range(_ROUNDS):
         # All of it may be of the second order.
         step = _towards(trial, model, still, count) or _towards(trial, model, still, 2 * count)
-        trial.turn(step)
+        turn(trial, step)
         total += step
         if abs(step) * count < 2 * np.pi * _NEAR:
             break
@@ -74,7 +79,7 @@ def _towards(replay: Replay | PartReplay, model: Drive | PartModel, still: Drive
              count: float) -> float:
     """Return the angle (rad) to turn by, exact for swings of one order."""
     later = copy.copy(replay)
-    later.turn(0.5 * np.pi / count)
+    turn(later, 0.5 * np.pi / count)
     # Other effects may swing with the angle, too.
     (now, none), (then, none_then) = ((entry.predict(model), entry.predict(still))
                                       for entry in (replay, later))

@@ -55,11 +55,6 @@ def operating_variables(run: Run) -> dict[str, np.ndarray]:
     return found
 
 
-def unit_of(variable: str) -> str:
-    """Return the SI unit of a variable of ``operating_variables``."""
-    return 'Pa/s' if variable == TRANSIENT else CHANNELS[variable].unit
-
-
 def where(errors: Mapping[str, Sequence[np.ndarray]],
           variables: Mapping[str, Sequence[np.ndarray]],
           floors: Mapping[str, float]) -> list[Region]:
@@ -122,5 +117,6 @@ def _region(signal: str, variable: str, error: np.ndarray, values: np.ndarray) -
     odds = held * (1 - spent) / max(spent * (1 - held), 1e-9)
     if odds < next(least for share, least in _ODDS if explained >= share):
         return None
-    return Region(signal, variable, float(edges[low]), float(edges[high]), unit_of(variable),
-                  float(held), float(spent), explained)
+    unit = 'Pa/s' if variable == TRANSIENT else CHANNELS[variable].unit
+    return Region(signal, variable, float(edges[low]), float(edges[high]), unit, float(held),
+                  float(spent), explained)

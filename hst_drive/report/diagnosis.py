@@ -1,6 +1,6 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""A diagnosis as text; ``hst_drive.diagnose.document`` has its JSON."""
+"""A diagnosis as text; ``hst_drive.diagnose.result`` has its JSON."""
 from __future__ import annotations
 
 from hst_drive.diagnose.result import Diagnosis, not_known, Unknown

@@ -13,7 +13,7 @@ from typing import Callable, Iterable, Sequence
 
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.identify.fit import fit

@@ -77,7 +77,7 @@ def test_how_late_sensors_read_is_adopted(found, expected):
     rig = parse_rig(adopted, 'rig.yaml')
     assert rig.delays == pytest.approx(expected)
     assert rig.sensors['motor_speed'].noise_std == default_rig().sensors['motor_speed'].noise_std
-    with pytest.raises(InputError, match="d.json: key 'sensor_delays' is not a list of channels"):
+    with pytest.raises(InputError, match="d.json: key 'sensor_delays' is no list with 'channel'"):
         adopt(read_yaml(RIG), {**diagnosis(), 'sensor_delays': [3]}, 'd.json', str(RIG))
 
 

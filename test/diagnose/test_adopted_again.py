@@ -6,7 +6,7 @@ import json
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig
 import numpy as np

@@ -9,7 +9,7 @@ from hst_drive.bag import read_log
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.model import Model

@@ -17,7 +17,7 @@ class Best(SimpleNamespace):
 
 def made_up(monkeypatch, odds):
     """Return a search that calls what lies above 1.25 unexplained; a fit is a noise ratio."""
-    monkeypatch.setattr(free_forms, 'log_odds_unlisted', lambda *_: odds)
+    monkeypatch.setattr(free_forms, 'log_odds_of', lambda *_: odds)
     campaign = SimpleNamespace(
         commissioned_unit=False,
         ratios=lambda errors, part: {'motor_speed': 0.95 if part else errors})

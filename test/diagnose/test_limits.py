@@ -7,8 +7,8 @@ from test.truth.sensors import STANDARD
 
 from bench.campaigns import as_runs
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
 from hst_drive.diagnose.next_test import of_diagnosis
+from hst_drive.diagnose.result import as_json
 from hst_drive.identify.campaign import ELSEWHERE
 import pytest
 

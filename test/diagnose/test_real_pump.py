@@ -8,7 +8,7 @@ from hst_drive.bag import read_log
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
-from hst_drive.diagnose.document import as_json
+from hst_drive.diagnose.result import as_json
 from hst_drive.rig import parse_rig
 import pytest
 

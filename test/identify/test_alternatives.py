@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What explains the recordings alike is told beside what was found, whichever came first."""
 from bench.campaigns import as_runs, STANDARD
-from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Search
+from hst_drive.identify.standing import alternatives
 import pytest
 
 from ..truth import make_campaign

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 from bench.campaigns import as_runs
 from hst_drive.diagnose import choose
-from hst_drive.identify.alternatives import alternatives
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.standing import alternatives
 from hst_drive.rig import default_rig
 from hst_drive.rig.rig import Sensor
 from hst_drive.rig.schema import DOUBTED, WAVES

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hst_drive.bag import read_log
 from hst_drive.measure.compare import compare
-from hst_drive.measure.judged import judged, MOST
+from hst_drive.measure.judged import judged, MOST, start_of
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
@@ -52,6 +52,20 @@ def test_start_and_cavitation_are_left_out_with_what_rings_after():
     assert found.seconds_left_out == pytest.approx(4.5, abs=0.03)
     assert np.count_nonzero(~found.samples) == pytest.approx(450, abs=3)
     assert found.kept == {}
+
+
+@pytest.mark.parametrize('breaks_away, rows', [(1.5, 251), (2.9, 0), (4.0, 0), (0.0, 0)])
+def test_a_start_is_one_that_breaks_away_in_time(breaks_away, rows):
+    speed = np.where(TIME < breaks_away, 0.0, 10.0)
+    assert np.count_nonzero(start_of(run(speed=speed))) == pytest.approx(rows, abs=1)
+
+
+def test_a_void_is_no_part_of_a_start():
+    speed = np.where(TIME < 1.5, 0.0, 10.0)
+    pressure = np.where((TIME > 1.0) & (TIME < 1.2), -0.5e5, 0.1e5)
+    found = start_of(run(speed=speed, pressure=pressure))
+    assert not found[(TIME > 1.0) & (TIME < 1.2)].any()
+    assert found[(TIME < 1.0) | (TIME > 1.2) & (TIME < 2.4)].all()
 
 
 def test_a_late_stop_counts():

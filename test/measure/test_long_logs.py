@@ -8,6 +8,7 @@ from hst_drive.measure.floor import replay_floor
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.measure.sections import AFTER, BEFORE, compare_sections
+from hst_drive.measure.turns import turn
 from hst_drive.model import Drive
 from hst_drive.rig import default_rig
 import numpy as np
@@ -27,8 +28,8 @@ def test_what_is_kept_is_what_would_be_computed(effects):
     for other, angle in ((drive, 0.0), (Drive(RIG, effects), 0.0), (drive, 0.0), (drive, 0.3)):
         fresh = Replay(run, drive)
         if angle:
-            asked.turn(angle)
-            fresh.turn(angle)
+            turn(asked, angle)
+            turn(fresh, angle)
         found, expected = asked.predict(other), fresh.predict(other)
         assert all(np.array_equal(found[name], expected[name]) for name in expected)
 
