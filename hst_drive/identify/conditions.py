@@ -23,6 +23,8 @@ _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
 # What a hydromotor loses of its torque follows the viscosity by a power whose one sigma this is:
 # dry friction by 0, viscous drag by 1, and on sheets that is a tenth of all.
 _TORQUE_POWER = 0.1
+# Mineral oil is softer by half a percent of its bulk modulus a kelvin; one sigma, 1/K.
+_SOFTER = 0.005
 _OIL = [entry.name for entry in OIL_POWER]
 Effects = Mapping[str, dict[str, float]]
 
@@ -107,8 +109,9 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
 
     Where the oil is warmer or colder than it usually was when a machine was commissioned, its
     leakages are known no better than the power with which they follow the viscosity: any, or one
-    that was learnt; so it is where a leak was adopted in other oil. Its torque losses are less
-    well known, too. With ``waves`` those of the pump's displacement are asked for.
+    that was learnt; so it is where a leak was adopted in other oil. Its torque losses and its
+    bulk modulus are less well known, too. With ``waves`` those of the pump's displacement are
+    asked for.
     """
     sigmas = {key: value for key, value in {
         **UNTOLD, **(UNTOLD_WAVES if waves else {}), **rig.scatter}.items() if value > 0}
@@ -116,7 +119,7 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     ratio = float(rig.viscosity_ratio(reach[0])) if reach else 0.0
     if not rig.fingerprint:
         return Prior({}, sigmas, {}, Oil(ratio, {}))
-    expected, most = _thinner(rig, runs)
+    expected, most, warmer = _thinner(rig, runs)
     learnt = rig.effects.get(OIL_LAW, {'exponent': POWER})['exponent']
     power, unsure = (0.0, rig.fingerprint.oil_law) if OIL_LAW in rig.effects else (
         POWER, POWER_SIGMA)
@@ -125,40 +128,47 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
         if ratio and _follows(values)))))
     # Both the power is not known, and one factor stands for all temperatures of these logs.
     spread = np.hypot(unsure * furthest, power * (most - expected))
-    torque = {key: _TORQUE_POWER * abs(most) * lost for key, lost in _torque_lost(rig).items()}
+    lost, off = _torque_lost(rig), _TORQUE_POWER * abs(most)
     spreads = {key: value for key, value in {
-        **dict.fromkeys(LEAKS.values(), spread), **torque}.items() if key in sigmas}
-    wider = {**sigmas, **{key: float(np.hypot(sigmas[key], more))
+        **dict.fromkeys(LEAKS.values(), spread),
+        'line.bulk_modulus': _SOFTER * warmer,
+        'loading.pump_mechanical_efficiency': off * lost[1]}.items() if key in sigmas}
+    if off * lost[0]:
+        spreads['motor.torque_loss'] = off
+    wider = {**sigmas, **{key: float(np.hypot(sigmas.get(key, 0.0), more))
                           for key, more in spreads.items()}}
-    shrunk = {key: sigmas[key] / wider[key] for key in spreads}
+    shrunk = {key: sigmas.get(key, 0.0) / wider[key] for key in spreads}
     return Prior({key: float(np.exp(power * expected)) for key in LEAKS.values()
                   if key in sigmas}, wider, {
         (one, other): value if one == other else (
             value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
         for (one, other), value in rig.fingerprint.correlation.items()},
         Oil(ratio, dict(zip(_OIL, (learnt, ratio))) if ratio and learnt else {}),
-        torque.get('motor.mechanical_efficiency', 0.0))
+        off * lost[0])
 
 
-def _torque_lost(rig: Rig) -> dict[str, float]:
-    """Return the share of its torque that each efficiency of a sheet usually takes away."""
-    sheets = {'motor.mechanical_efficiency': rig.motor and rig.motor.mechanical_efficiency.z,
-              'loading.pump_mechanical_efficiency':
-              rig.loading and rig.loading.pump_mechanical_efficiency.y}
-    return {key: float(1.0 / np.median(values) - 1.0) for key, values in sheets.items()
-            if values is not None}
+def _torque_lost(rig: Rig) -> list[float]:
+    """Return the share of its torque that hydromotor and loading pump usually take away."""
+    sheets = (rig.motor and rig.motor.mechanical_efficiency.z,
+              rig.loading and rig.loading.pump_mechanical_efficiency.y)
+    return [0.0 if values is None else float(1.0 / np.median(values) - 1.0) for values in sheets]
 
 
-def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float]:
-    """Return by what factor (log) oil is thinner than when learnt: usually, and at most."""
+def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float, float]:
+    """
+    Return by what factor (log) oil is thinner than when learnt: usually, and at most.
+
+    And how much warmer or colder it is, K.
+    """
     reach = reach_of('oil_temperature', runs, (_TAILS[0], 50.0, _TAILS[1]))
     if 'oil_temperature' not in rig.fingerprint.conditions or reach is None:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     there = rig.fingerprint.conditions['oil_temperature']
     # One factor stood for all oil there, too: only what lies beyond is new.
     learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
     thinner = np.log(rig.viscosity_ratio(learnt) / rig.viscosity_ratio(np.array(reach)))
-    return float(thinner[1]), float(thinner[np.abs(thinner).argmax()])
+    return (float(thinner[1]), float(thinner[np.abs(thinner).argmax()]),
+            float(np.abs(reach - learnt).max()))
 
 
 def faults_of(rig: Rig) -> dict[str, dict[str, float]]:

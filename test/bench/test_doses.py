@@ -1,7 +1,9 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Air that shows in starts from rest alone: told by the own file of a foreign machine."""
+"""Foreign machines by their own files: air that shows in starts from rest alone, colder oil."""
+from bench import doses_frozen
 from bench.doses import day
+from bench.frozen import campaign
 from hst_drive.cli.commission import text
 from hst_drive.diagnose.commission import commission
 from hst_drive.diagnose.decide import diagnose
@@ -41,3 +43,14 @@ def test_another_day_is_no_air(learnt, number, changed):
 def test_one_start_does_not_tell_how_starts_differ():
     sheet, logs = day(MACHINE, 0)
     assert 'start_error' not in commission(sheet, 'rig', logs[:1]).rig['commissioned']
+
+
+@pytest.mark.parametrize('celsius', [22.0, 75.0])
+def test_oil_is_stiffer_in_the_cold(celsius, monkeypatch):
+    """Half a percent a kelvin, as mineral oil is; on the frozen generator, learnt at 50 degC."""
+    sheet, first = doses_frozen.day(1, 0)
+    unit = parse_rig(commission(sheet, 'rig', [*first, *doses_frozen.day(1, 1)[1]]).rig, 'unit')
+    simulate, stiffer = campaign.simulate, 1.0 - 0.005 * (celsius - 50.0)
+    monkeypatch.setattr(campaign, 'simulate', lambda here, base, *args: simulate(
+        here, base._replace(bulk=stiffer * base.bulk), *args))
+    assert diagnose(unit, doses_frozen.day(1, 2, celsius=celsius)[1]).verdict == 'none'
