@@ -8,9 +8,8 @@ import shlex
 
 import hst_drive as hd
 from hst_drive import cli
-from hst_drive.diagnose.result import as_json
 from hst_drive.diagnose.result import (
-    Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Unknown, Value, Zero)
+    as_json, Calibrated, Diagnosis, Found, NextTest, Ranked, Step, Unknown, Value, Zero)
 from hst_drive.identify.conditions import Outside
 from hst_drive.identify.evidence import Probability
 import pytest

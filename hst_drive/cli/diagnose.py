@@ -46,7 +46,8 @@ def run(args: argparse.Namespace) -> int:
 
     if args.plot:
         from hst_drive.cli.compare import check_plot
-        from hst_drive.report.ladder_figure import ladder_figure, require_matplotlib
+        from hst_drive.report.drawing import require_matplotlib
+        from hst_drive.report.ladder_figure import ladder_figure
 
         check_plot(args.plot)
         require_matplotlib()

@@ -14,21 +14,19 @@ from dataclasses import replace
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from hst_drive.diagnose.decide import diagnose
+from hst_drive.diagnose.repeatability import DAY_TO_DAY, repeatability, start_errors
 from hst_drive.diagnose.result import Diagnosis
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
-from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.conditions import conditions, reach_of, thinning
-from hst_drive.identify.fit import Fit, fit
+from hst_drive.identify.fit import fit
 from hst_drive.identify.intervals import FORM, spread
-from hst_drive.identify.linearised import squared_slopes
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
-from hst_drive.measure.judged import start_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.adopted import with_delays
@@ -37,10 +35,6 @@ from hst_drive.rig.schema import DOUBTED, LOSSES, WAVES
 from hst_drive.units import from_si
 import numpy as np
 
-# Share of the make's tolerance, one sigma: units of a make differ by wear, by what they were made
-# like and by their oil; one unit differs from itself the next day by a tenth of that.
-DAY_TO_DAY = 0.1
-_SHARES = np.geomspace(0.01, 1.0, 61)   # of the tolerance, that logs are asked for
 _LESS = 0.5         # of a quantity, that no unit of a make lacks
 _TOLD = 0.5         # of what was open, squared: with more left the logs told nothing
 # What makes each quantity show.
@@ -258,48 +252,6 @@ def _follow_viscosity(effects: Mapping[str, Mapping[str, float]]) -> bool:
     return any({'viscosity_ratio', 'characterised_at'} & {*arguments(function)}
                for effect, values in effects.items() if values.get(OIL_POWER[0].name, 1.0)
                for _, function in known[effect].terms)
-
-
-def repeatability(campaign: Campaign, fitted: Fit) -> float:
-    """
-    Return by how much the machine differs from log to log, in tolerances.
-
-    The likeliest standard deviation of the unknowns between the logs, from the slope of each
-    log's error at what fits all. What is usual (``DAY_TO_DAY``) counts as much as one log more.
-    """
-    count = len(campaign.tolerances)
-    residual = campaign.training(fitted.errors)
-    owner = np.concatenate([np.full(len(column.fit), column.log) for column in campaign.columns])
-    jacobian, blocks = fitted.jacobian[:, :count], campaign.fitted_blocks()
-    chance = -0.5 * count * (np.log(_SHARES**2) + DAY_TO_DAY**2 / _SHARES**2)
-    for log in range(len(campaign.replays)):
-        rows = np.flatnonzero(owner == log)
-        slope = jacobian[rows].T @ residual[rows]
-        curvature = jacobian[rows].T @ jacobian[rows]
-        noise = np.eye(count) + squared_slopes(jacobian[rows], residual[rows], blocks[rows])
-        for index, share in enumerate(_SHARES):
-            spreads = noise + share**2 * curvature @ curvature
-            chance[index] -= 0.5 * (np.linalg.slogdet(spreads)[1]
-                                    + slope @ np.linalg.solve(spreads, slope))
-    logs = len(campaign.replays)
-    return float(_SHARES[np.argmax(chance)]) * float(np.sqrt(logs / (logs - 1.0)))
-
-
-def start_errors(campaign: Campaign, fitted: Fit) -> dict[str, float]:
-    """
-    Return how far a model errs while the drive starts from rest, by signal, SI.
-
-    The largest root mean square of these logs. Empty if fewer than two start from rest: one start
-    does not tell how they differ.
-    """
-    found: dict[str, list[float]] = {}
-    for error, column in zip(fitted.errors, campaign.columns):
-        replay = campaign.replays[column.log]
-        rows = start_of(replay.run) & replay.counted(column.signal)
-        if rows.any() and not campaign.by_balance:
-            found.setdefault(column.signal, []).append(
-                float(np.sqrt(np.mean(error[rows]**2))) / column.scale)
-    return {name: max(errors) for name, errors in found.items() if len(errors) > 1}
 
 
 def _positive(correlation: np.ndarray) -> np.ndarray:

@@ -128,12 +128,12 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
         if ratio and _follows(values)))))
     # Both the power is not known, and one factor stands for all temperatures of these logs.
     spread = np.hypot(unsure * furthest, power * (most - expected))
-    lost, off = _torque_lost(rig), _TORQUE_POWER * abs(most)
+    (lost, lost_loading), off = _torque_lost(rig), _TORQUE_POWER * abs(most)
     spreads = {key: value for key, value in {
         **dict.fromkeys(LEAKS.values(), spread),
         'line.bulk_modulus': _SOFTER * warmer,
-        'loading.pump_mechanical_efficiency': off * lost[1]}.items() if key in sigmas}
-    if off * lost[0]:
+        'loading.pump_mechanical_efficiency': off * lost_loading}.items() if key in sigmas}
+    if off * lost:
         spreads['motor.torque_loss'] = off
     wider = {**sigmas, **{key: float(np.hypot(sigmas.get(key, 0.0), more))
                           for key, more in spreads.items()}}
@@ -144,7 +144,7 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
             value * shrunk.get(one, 1.0) * shrunk.get(other, 1.0))
         for (one, other), value in rig.fingerprint.correlation.items()},
         Oil(ratio, dict(zip(_OIL, (learnt, ratio))) if ratio and learnt else {}),
-        off * lost[0])
+        off * lost)
 
 
 def _torque_lost(rig: Rig) -> list[float]:

@@ -98,8 +98,8 @@ def unexplained(campaign: Campaign, model: Fit, done: Mapping[str, float],
     command stepped, and what a sensor reads at zero, is not known; and what no two rows have in
     common is noise, more of it than the floors know (``recording``).
     """
-    campaign = campaign.without_starts()
     own, fitted = over_own_floors(campaign, model)
+    own = own.without_starts()
     left = _beyond(campaign, own, own.ratios(fitted.errors, held_out), done, held_out)
     if not left:
         return left
@@ -126,6 +126,6 @@ def _squared_floors(campaign: Campaign, own: Campaign, name: str,
                     held_out: bool | None) -> float:
     """Return the squared floor of a signal over that of a model with floors of its own."""
     samples, squares = np.array([
-        (len(common.rows(held_out)), (mine.scale / common.scale)**2)
+        (len(mine.rows(held_out)), (mine.scale / common.scale)**2)
         for common, mine in zip(campaign.columns, own.columns) if common.signal == name]).T
     return float(samples @ squares / max(samples.sum(), 1))

@@ -6,7 +6,8 @@ What may be named of a set that was found, whichever way it was found.
 An effect stands if the evidence does not speak against it (``weigh``), and if it is neither at
 the end of what is plausible on a machine nor as it was adopted. What a set leaves beyond the noise
 may be the work of something that acts like one of its effects: what takes away little more than is
-left falls, too. Without one that falls the others are fitted and judged anew.
+left falls, too. Without one that falls the others are fitted and judged anew. At last it is asked
+what could stand in the place of each.
 """
 from __future__ import annotations
 

@@ -13,6 +13,15 @@ BLUE, VERMILION, BLACK = '#0072B2', '#D55E00', '#000000'
 COLOURS = (BLUE, VERMILION, '#009E73', '#CC79A7', BLACK, '#56B4E9', '#E69F00')
 
 
+def require_matplotlib() -> None:
+    """Raise InputError where matplotlib is missing: better before the work than after."""
+    try:
+        import matplotlib.figure    # noqa: F401
+    except ImportError:
+        raise InputError('matplotlib is not installed; plots need it: '
+                         "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
+
+
 def new_figure(width: float, height: float, **options):
     """
     Return an empty figure [inch], apart from what a caller may have drawn with pyplot.
@@ -23,12 +32,10 @@ def new_figure(width: float, height: float, **options):
         If matplotlib is not installed.
 
     """
-    try:
-        import matplotlib.figure
-    except ImportError:
-        raise InputError('matplotlib is not installed; plots need it: '
-                         "'pip install matplotlib' or 'apt install python3-matplotlib'") from None
-    return matplotlib.figure.Figure(figsize=(width, height), **options)
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), **options)
 
 
 def save(figure, path: str | Path) -> None:

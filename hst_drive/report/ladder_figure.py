@@ -15,11 +15,6 @@ _MARKS = 'osDv^P<>'     # one more than colours, so that a pair comes again late
 _TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
-def require_matplotlib() -> None:
-    """Raise InputError where matplotlib is missing: better before the work than after."""
-    new_figure(1.0, 1.0)
-
-
 def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> None:
     """
     Draw the error over the noise floor after each step into a PNG, PDF or SVG.

@@ -11,7 +11,7 @@ from hst_drive.losses.selection import grid
 from hst_drive.losses.study import Study
 from hst_drive.losses.table import VARIABLES
 from hst_drive.losses.trends import quantities_of
-from hst_drive.report.drawing import COLOURS, new_figure
+from hst_drive.report.drawing import COLOURS, new_figure, require_matplotlib
 from hst_drive.units import from_si
 import numpy as np
 
@@ -55,6 +55,7 @@ def draw(study: Study, target: str | Path, say: Callable[[str], None]) -> list[P
         If matplotlib is missing or nothing can be written there.
 
     """
+    require_matplotlib()
     target = Path(target)
     if target.suffix.lower() not in ('', '.pdf'):
         raise InputError(f'{target}: expected a folder for PNGs, or a name ending in .pdf')

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The verb losses: its JSON, its pictures, its rig file, its inputs good and bad."""
 import json
+import sys
 
 from hst_drive.rig import load_rig
 import numpy as np
@@ -97,6 +98,14 @@ def test_pictures_are_drawn(bench, tmp_path, capsys):
     for name in names:
         picture = imread(tmp_path / 'plots' / name)
         assert min(picture.shape[:2]) > 400 and picture[..., :3].std() > 0.05
+
+
+@pytest.mark.parametrize('name', ['plots', 'plots.pdf'])
+def test_without_matplotlib_nothing_is_left_behind(bench, tmp_path, capsys, monkeypatch, name):
+    monkeypatch.setitem(sys.modules, 'matplotlib', None)
+    code, _, err = command(capsys, bench, '--plot', tmp_path / name)
+    assert code == 2 and 'matplotlib is not installed' in err and 'Traceback' not in err
+    assert not (tmp_path / name).exists()
 
 
 @pytest.mark.parametrize('change, word', [

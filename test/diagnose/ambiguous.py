@@ -15,8 +15,7 @@ from hst_drive.design.design import design
 from hst_drive.design.rivals import matched, widened
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.next_test import of_diagnosis
-from hst_drive.diagnose.result import as_json
-from hst_drive.diagnose.result import Diagnosis
+from hst_drive.diagnose.result import as_json, Diagnosis
 from hst_drive.effects import catalogue
 from hst_drive.load.loading_unit import LoadingUnit
 from hst_drive.load.scenario import parse_scenario

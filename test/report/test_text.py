@@ -1,8 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """A diagnosis as a terminal and the page show it."""
-from hst_drive.diagnose.result import as_json
-from hst_drive.diagnose.result import Diagnosis, Found, Step, Value
+from hst_drive.diagnose.result import as_json, Diagnosis, Found, Step, Value
 from hst_drive.identify.evidence import Probability
 from hst_drive.report.diagnosis import text
 from hst_drive.report.found_sections import effect_card
