@@ -4,11 +4,12 @@
 Which seconds of a recording a model of the whole drive is judged on.
 
 Left out is what hangs on something that no channel shows: the moment at which the drive breaks
-away from standstill, a motion that began before the recording did, oil that comes and goes where
-the inlet cavitates, a load while the speed was not read, and what follows a command that was not
-read. All are told from the measurement alone, never from the error, and together they may take
-``MOST`` of a recording: what fills more of it is how the drive runs (or what its pressure sensor
-says), and an error there is an error.
+away from standstill, how a shaft that sticks lets go of the oil in a stop, a motion that began
+before the recording did, oil that comes and goes where the inlet cavitates, a load while the
+speed was not read, and what follows a command that was not read. All are told from the
+measurement alone, never from the error, and together they may take ``MOST`` of a recording: what
+fills more of it is how the drive runs (or what its pressure sensor says), and an error there is
+an error.
 """
 from __future__ import annotations
 
@@ -23,8 +24,10 @@ MOST = 0.5              # share of a recording that may be left out
 _START = 3.0            # s within which a drive may still break away from standstill
 CAVITATING = 0.3e5     # Pa gauge
 _AFTER = 1.0            # s that the ringing after each takes
-_FIRST, _SOON = 0.05, 0.3   # s: between the first rows and those shortly after
+_FIRST, _SOON = 0.05, 0.3   # s: between the first rows and those shortly after; a stop
 _MOVED = 0.1            # of a reading: so much in that time and the drive was in motion before
+_STANDS = 0.05          # of the usual speed
+_OFF = 0.1              # of the way from its lowest to its usual value: a command that stops
 
 
 class Span(NamedTuple):
@@ -61,6 +64,7 @@ def judged(run: Run) -> Judged:
     for why, part in (('start from rest', rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time)),
+                      ('stop', _stopped(run, time) & ~rest),
                       *((f'{CHANNELS[name].title} missing', _without(run, time, name))
                         for name in ('motor_speed', *COMMANDS))):
         if np.mean(out | part) > MOST:
@@ -105,6 +109,19 @@ def _in_motion(run: Run, time: np.ndarray) -> np.ndarray:
         if abs(after - before) > _MOVED * np.nanmedian(np.abs(values)):
             return time <= _AFTER
     return np.zeros(len(time), dtype=bool)
+
+
+def _stopped(run: Run, time: np.ndarray) -> np.ndarray:
+    """Tell where the shaft stands since nothing is asked for (a stall is how the drive runs)."""
+    out, off = np.zeros((2, len(time)), dtype=bool)
+    for name in ('pump_command', 'speed_setpoint'):
+        above = run.channels.get(name, np.zeros(1)) - np.nanmin(run.channels.get(name, 0.0))
+        off |= above < _OFF * np.nanmedian(above)
+    speed = np.abs(run.channels.get('motor_speed', np.ones(len(time))))
+    for first, end in stretches(speed < _STANDS * np.nanmedian(speed)):
+        if off[first:end].any() and time[end - 1] - time[first] > _SOON:
+            out |= (time >= time[first]) & (time < time[end - 1] + _AFTER)
+    return out
 
 
 def _cavitating(run: Run, time: np.ndarray) -> np.ndarray:

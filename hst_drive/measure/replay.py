@@ -174,10 +174,11 @@ class Replay(RecordedLoad):
                 rest = moved
         self._smoothed = None
         name = self.torque
-        noise = min(self.readings.noise(name, self.run[name]),
-                    self.readings.noise(name, rest), self._stated_noise(drive, name))
+        noise = min(self.readings.noise(name, self.run[name]), self.readings.noise(
+            name, np.where(self.at_rest, np.nan, rest)), self._stated_noise(drive, name))
         shaft = self._behind(drive, rest)
-        fast = rest - self.readings.slow(rest)
+        # A shaft that stands feels no rough rock.
+        fast = np.where(self.at_rest, np.nan, rest - self.readings.slow(rest))
         self.roughness = shaft.rough if shaft else estimate_coloured(self.run.time, fast, noise)
         self.noise[name] = max(self.roughness.noise_std, self.readings.step(name))
         self._smoother = Smoother(self.run.time, self.roughness, np.isfinite(self.run[name]))

@@ -73,6 +73,18 @@ def test_a_late_stop_counts():
     assert judged(run(speed=speed)).samples.all()
 
 
+@pytest.mark.parametrize('name', ['pump_command', 'speed_setpoint'])
+def test_a_stop_that_was_asked_for_is_left_out(name):
+    asked = np.where((TIME >= 10) & (TIME < 20), 0.1, 5.0)
+    speed = np.where((TIME > 10.3) & (TIME < 20.5), 0.01, 10.0)
+    stop, = judged(Run('a', TIME, {**run(speed=speed).channels, name: asked})).left_out
+    assert (stop.start, stop.end, stop.why) == (
+        pytest.approx(10.3, abs=0.021), pytest.approx(21.5, abs=0.021), 'stop')
+    # A stall is not: more is asked for than it gives.
+    stalled = Run('a', TIME, {**run(speed=speed).channels, name: np.full(len(TIME), 5.0)})
+    assert judged(stalled).samples.all()
+
+
 @pytest.mark.parametrize('first, last', [(0.0, 8.0), (20.0, 21.5), (40.0, 60.0)])
 def test_a_load_is_not_judged_while_its_speed_was_not_read(first, last):
     lost = (TIME >= first) & (TIME < last)
