@@ -18,7 +18,7 @@ from hst_drive.watch.figures import (
     INLET, judged, limits_of, losses, lost, measured, modelled, moment_of, signals_for, switched,
     TEMPERATURE, uncertainty)
 from hst_drive.watch.naming import Signatures
-from hst_drive.watch.residuals import Balances, Block, LEAD, NEITHER
+from hst_drive.watch.residuals import Balances, Block, following_oil, LEAD, NEITHER
 from hst_drive.watch.samples import Accuracy, SPEED
 from hst_drive.watch.stream import BILLION, Stream, Window
 from hst_drive.watch.watch import Verdict, Watch
@@ -93,7 +93,7 @@ class Observer:
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
         self._limits = settings.limits or limits_of(rig)
-        self.model = part_model(rig)
+        self.model = part_model(following_oil(rig))
         self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
         self._optional = tuple(name for name in (

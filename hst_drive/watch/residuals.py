@@ -10,10 +10,13 @@ tell that, by differences.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
+import math
 from typing import NamedTuple
 
 from hst_drive.channels import CHANNELS
+from hst_drive.effects.leakage_temperature import OIL_LAW, POWER
 from hst_drive.measure.circuit_balances import read_instead, watched
 from hst_drive.measure.run import zeroed
 from hst_drive.model.circuit_model import part_model
@@ -30,6 +33,7 @@ _FLOOR = 0.25       # of the scatter between units: how good a calibrated model 
 _NEAR_RELIEF = 0.95  # of the relief valve's pressure
 _LOWEST = 1e5       # Pa
 _SENSOR = 'sensor.'
+_POWER_SIGMA = 1.0 / 6.0     # of the power of the oil: any from 0 to 1 within three sigma
 _LINES = frozenset({'pump_outlet_pressure', 'line_a_pressure', 'line_b_pressure'})
 
 
@@ -65,6 +69,18 @@ class Block(NamedTuple):
     samples: Samples
 
 
+def following_oil(rig: Rig) -> Rig:
+    """
+    Return a commissioned machine whose leakages follow its oil, as those of any machine may.
+
+    By which power is learnt while it drills.
+    """
+    if OIL_LAW in rig.effects or not (
+            rig.fingerprint and 'oil_temperature' in rig.fingerprint.conditions):
+        return rig
+    return replace(rig, effects={**rig.effects, OIL_LAW: {'exponent': POWER}})
+
+
 class Balances:
     """
     The balances that some signals close.
@@ -72,7 +88,8 @@ class Balances:
     Parameters
     ----------
     rig : Rig
-        Adopted effects and calibration count.
+        Adopted effects and calibration count; of a commissioned machine's oil see
+        ``following_oil``.
     signals : tuple of str
         Channels at hand.
     accuracy : Accuracy, optional
@@ -81,7 +98,12 @@ class Balances:
     """
 
     def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy | None = None):
-        self.rig, self.model = rig, part_model(rig)
+        self.rig = following_oil(rig)
+        self.model = part_model(self.rig)
+        # One sigma of the power: as it was learnt, or of what is assumed.
+        known = rig.fingerprint and 'oil_temperature' in rig.fingerprint.conditions
+        self._oil = 0.0 if not known else (
+            rig.fingerprint.oil_law if self.rig is rig else _POWER_SIGMA)
         self._signals, self.accuracy = signals, accuracy or accuracy_of(rig)
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
@@ -98,7 +120,7 @@ class Balances:
     @cached_property
     def spread(self) -> dict[str, float]:
         """What may be off without any physics missing: name to standard deviation."""
-        return {**self.rig.scatter, **{
+        return {**self.rig.scatter, OIL_LAW: self._oil, **{
             _SENSOR + name: self.accuracy.of(CHANNELS[name].unit, 1.0)[0]
             for name in self.needed}}
 
@@ -142,10 +164,26 @@ class Balances:
         for key in self.rig.scatter:
             for name, slope in samples.by_factor(key).items():
                 parts[name][key] = slope
+        if self._oil:
+            for name, slope in self._by_oil(samples).items():
+                parts[name][OIL_LAW] = slope
         return Block(start, end, {name: Residual(
             value, noise[name], float(np.hypot(samples.sheet(name), _FLOOR * np.sqrt(sum(
                 (slope * self.spread[key])**2 for key, slope in parts[name].items())))),
             parts[name]) for name, value in samples.residuals.items()}, samples)
+
+    def _by_oil(self, samples: Samples) -> dict[str, float]:
+        """Return how the residuals move with the power of oil that commissioning has not seen."""
+        warm = samples.mean(samples.temperature)
+        there = np.clip(warm, *self.rig.fingerprint.conditions['oil_temperature'])
+        thinner, seen = np.log(self.rig.viscosity_ratio(np.array([warm, there])))
+        if abs(thinner) <= abs(seen):
+            return {}
+        # To the side on which leakages change most.
+        step = math.copysign(POWER, warm - there)
+        power = self.rig.effects[OIL_LAW]['exponent'] + step
+        return {name: (1.0 - seen / thinner) * moved / step
+                for name, moved in samples.by_effect(OIL_LAW, {'exponent': power}).items()}
 
     def _reason(self, cut: dict[str, np.ndarray]) -> str:
         speed = cut[SPEED]

@@ -164,6 +164,11 @@ class Samples:
         """The hydromotor's speed as it is, whatever its sensor does, rad/s."""
         return self.known.get('true', self.known)[SPEED]
 
+    @property
+    def temperature(self) -> np.ndarray | float:
+        """The oil's temperature, K; that of the tables where it is not measured."""
+        return self._channels.get('oil_temperature', self._model.rig.characterised_at)
+
     def drained(self) -> float:
         """Return what the case drain's meter reads; NaN without one."""
         return self.mean(self._channels.get('case_drain_flow', math.nan))

@@ -151,6 +151,18 @@ def test_a_leak_since_commissioning_that_the_make_swallows_is_alarmed(seed):
     assert alarms and all('motor_leakage' in alarm for alarm in alarms)
 
 
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('celsius, power', [(30.0, 0.5), (30.0, 1.0), (70.0, 0.5), (70.0, 1.0)])
+def test_a_commissioned_machine_in_other_oil_is_healthy(celsius, power):
+    """It drills in oil of some 50 degC, 20 K from where its numbers were learnt."""
+    kelvin = celsius + 273.15
+    own = replace(RIG, characterised_at=kelvin, fingerprint=Fingerprint(
+        {name: 0.12 * sigma for name, sigma in RIG.tolerances.items()},
+        conditions={'oil_temperature': (kelvin - 3.0, kelvin + 3.0)}))
+    machine = replace(own, effects={'leakage_temperature': {'exponent': power}})
+    assert watch_unit(machine, 41, 4.0, machine.effects, judged=own)[1] == []
+
+
 def drilled(balances, rig, minutes, effects=None):
     """Return the blocks of a drive, each of two seconds."""
     blocks = []
