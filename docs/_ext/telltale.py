@@ -21,7 +21,7 @@ from hst_drive.units import difference_from_si, from_si
 import numpy as np
 
 FOLDER = '_images/telltales'
-_START = 6.0            # s: a start from rest is judged by nobody
+_START = 6.0            # s: a start from rest is judged by no datasheet
 _WINDOW = 10.0          # s shown on the left
 _BINS = 20              # of a variable, to see how much of the difference it explains
 # What an equation may read, and the signal that shows it.

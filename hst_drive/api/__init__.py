@@ -218,7 +218,10 @@ def commission(logs: Any, rig: Rigs = None, *, channels: Channels = None,
 
     file = load_rig(rig)
     if day_to_day is not None:
-        given.number(day_to_day, 'day_to_day')
+        day_to_day = given.number(day_to_day, 'day_to_day')
+        if not 0.0 <= day_to_day <= 10.0:
+            raise InputError(f'day_to_day: found {day_to_day:g}, expected a share of the '
+                             'tolerance from 0 to 10, 0.1 say')
     found = work(file.content, file.source, _runs(logs, channels), day_to_day,
                  progress=given.progress(progress))
     return RigFile(found.rig, 'commissioned rig')

@@ -16,7 +16,8 @@ from hst_drive.cli.common import (
     add_day_to_day_argument, add_log_arguments, day_to_day_of, read_logs, rig_file_of)
 from hst_drive.cli.diagnose import progress_line, tell_notes
 from hst_drive.cli.output import (
-    add_force_argument, add_json_argument, refuse_to_replace, say, table, write_json, write_yaml)
+    add_force_argument, add_json_argument, refuse_inputs, refuse_to_replace, say, table,
+    write_json, write_yaml)
 
 if TYPE_CHECKING:
     from hst_drive.diagnose.commission import Commissioned
@@ -41,8 +42,9 @@ def run(args: argparse.Namespace) -> int:
     from hst_drive.rig.yaml_file import read_yaml
 
     day_to_day = day_to_day_of(args)
-    refuse_to_replace(args.output, args.force)
     source = rig_file_of(args)
+    refuse_inputs([text for text in (args.output, args.json) if text], [source, *args.logs])
+    refuse_to_replace(args.output, args.force)
     rig = read_yaml(source)
     runs = read_logs(args.logs, args.channels)
     tell_notes(runs, args.rig)

@@ -51,6 +51,9 @@ def add_day_to_day_argument(parser: argparse.ArgumentParser) -> None:
 
 def day_to_day_of(args: argparse.Namespace) -> float | None:
     """Return the repeatability that was asked for."""
+    if args.day_to_day is not None and not getattr(args, 'since', True):
+        raise InputError('--day-to-day: goes with --since, or with commission: it says what is '
+                         'learnt from healthy logs')
     if args.day_to_day is not None and not 0.0 <= args.day_to_day <= 10.0:
         raise InputError(f'--day-to-day {args.day_to_day:g}: expected a share of the tolerance '
                          'from 0 to 10, 0.1 say')

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='let the PI controller command the pump, and compare the command too')
     parser.add_argument('--all', action='store_true',
                         help='judge every second, also start from rest and cavitation, which '
-                        "'diagnose' leaves out, too")
+                        "'diagnose' leaves out, too (but for starts of a commissioned machine)")
     parser.add_argument('--plot', metavar='FILE.png',
                         help='draw measured, model and error (several logs: one file each)')
     parser.add_argument('--sections', metavar='MIN', type=float,

@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
     began = time.monotonic()
     try:
         lives = live(campaigns, Store(Path(args.results)), healthy=args.healthy,
-                     limited={name for name, _ in limits}, workers=args.workers,
+                     limited=[name for name, _ in limits], workers=args.workers,
                      scheduler=args.scheduler, again=args.again,
                      progress=_progress(began))
     except KeyboardInterrupt:

@@ -59,6 +59,10 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
     if calibration and not none:
         raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}': the unit's "
                          'calibration goes with its effects; leave --calibration out')
+    if calibration and SECTION in rig:
+        raise InputError(f'{rig_source}: is the file of a machine that was commissioned: its '
+                         'numbers are its own already; leave --calibration out, or commission it '
+                         "again from the make's file, with these logs")
     if not effects and not calibration:
         if _formula_of(diagnosis):
             raise InputError(f"{source}: the diagnosis is 'unknown' and names no effect; add "
@@ -66,7 +70,7 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         raise InputError(f"{source}: the diagnosis is '{diagnosis.get('verdict')}' and names no "
                          'effect: there is nothing to adopt' + (
                              '; add --calibration to adopt by how much this unit is off its '
-                             'datasheet' if none else ''))
+                             'datasheet' if none and SECTION not in rig else ''))
     names = [str(entry.get('id')) for entry in effects]
     already = [name for name in names if name in (rig.get('effects') or {})]
     expected = diagnosis.get('rig_digest')
@@ -96,12 +100,12 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
                            source, 'calibration')
     if formula:
         moved = _known_factors(effects[-1].get('factors', {}), source, 'unknown.formula.factors')
-    if calibration or SECTION not in rig:
+    if SECTION not in rig:
         # Those of a commissioned machine are its own; they follow the oil of the day already.
         for key, factor in moved.items():
             factors[key] = float(f'{factors.get(key, 1.0) * factor:.8g}')
     adopted['calibration'] = factors
-    past = list((rig.get('provenance') or {}).get('adopted', []))
+    past = list((rig.get('provenance') or {}).get('adopted') or [])
     adopted['provenance'] = {**(rig.get('provenance') or {}), 'adopted': [
         *past, {**dates, **_provenance(diagnosis, source, names, effects), **(
             {'changed': {name: {'from': rig['effects'][name], 'to': found[name],

@@ -3,13 +3,14 @@
 """
 Campaigns on disk: a folder with logs is one; what lies beside them says how to read them.
 
-The folder above a campaign is the machine, unless the campaign lies in the fleet's own folder::
+The folder above a campaign is the machine; of a campaign in the fleet's own folder its name less
+the day is, or that folder where nothing is left::
 
     fleet/rig_07/2026-03-14/drilling.csv, sweep.csv, drilling_holdout.csv
     fleet/rig_07/rig.yaml               (or beside the logs, or above; channels.yaml likewise)
 
-A log with 'holdout' in its name is judged on. The date is that in the names of the folder or its
-logs, or else when a bag began to record.
+A log with 'holdout' in its name is judged on. The date is that in the name of the folder, of a log
+or of a folder above, or else when a bag began to record.
 """
 from __future__ import annotations
 
@@ -63,6 +64,10 @@ def find_campaigns(place: str | os.PathLike[str]) -> list[Campaign]:
         absent = [folder for folder in folders if not folder.is_dir()]
         if absent:
             raise InputError(f'{place}: names {absent[0]}, which is no folder')
+        inside, tops = os.path.abspath(root), [os.path.abspath(folder) for folder in folders]
+        if os.path.commonpath([inside, *tops]) != inside:
+            # So that two machines of one name at two places stay two.
+            root = Path(os.path.commonpath([os.path.dirname(top) for top in tops]))
     else:
         root, folders = place, [place]
     if not root.is_dir():
@@ -107,12 +112,9 @@ def _campaign(folder: Path, root: Path) -> Campaign | None:
     if not logs:
         return None
     held = tuple(path for path in logs if _HOLDOUT.search(Path(path).name))
-    try:
-        parts = folder.resolve().relative_to(root.resolve()).parts
-    except ValueError:
-        parts = folder.resolve().parts[-2:]
+    parts = Path(os.path.abspath(folder)).relative_to(os.path.abspath(root)).parts
     name = '/'.join(parts) or folder.resolve().name
-    machine = '/'.join(parts[:-1]) or _DATE.sub('', name).strip('-_. ') or name
+    machine = '/'.join(parts[:-1]) or _DATE.sub('', name).strip('-_. ') or root.resolve().name
     return Campaign(name, machine, _date(name, logs),
                     tuple(path for path in logs if path not in held), held,
                     _beside(folder, root, 'rig.yaml'), _beside(folder, root, 'channels.yaml'))
@@ -120,18 +122,19 @@ def _campaign(folder: Path, root: Path) -> Campaign | None:
 
 def _beside(folder: Path, root: Path, name: str) -> str:
     """Return a file beside the logs, or in the nearest folder above up to the fleet's."""
-    inside = root.resolve() in (folder.resolve(), *folder.resolve().parents)
     for place in (folder, *folder.parents):
         if (place / name).is_file():
             return str(place / name)
-        if not inside or place.resolve() == root.resolve():
+        if os.path.abspath(place) == os.path.abspath(root):
             return ''
     return ''
 
 
 def _date(name: str, logs: Sequence[str]) -> str:
     """Return the day in the name of the campaign or of a log, or that on which a bag began."""
-    for text in (*reversed(name.split('/')), *(Path(log).name for log in logs)):
+    folder, *above = reversed(name.split('/'))
+    # A folder further above may have a serial number that reads like a day.
+    for text in (folder, *(Path(log).name for log in logs), *above):
         match = _DATE.search(text)
         if match and _is_day(day := '-'.join(match.groups())):
             return day

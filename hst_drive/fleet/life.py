@@ -68,21 +68,22 @@ def live(campaigns: Sequence[Campaign], store: Store, *,
     machines = _machines(campaigns)
     first = {name: days for name, own in machines.items()
              if (days := _first_days(own, healthy))}
-    units = {name: 'no dates, or only one: judged by its make' if healthy else
-             'judged by its make' for name in machines}
+    units = {name: 'none, judged by its make' + ': no dates, or only one' * bool(healthy)
+             for name in machines}
     used: set[str] = set()      # names of the campaigns that a machine was commissioned on
     files: dict[str, str] = {}
     rows = run([_together(name, days) for name, days in first.items()], task=commission_machine,
-               what='machines commissioned', asked=lambda campaign: 'unit') if first else []
+               what='machines commissioned', asked=lambda campaign: 'unit')
     for row in rows:
         name = row['machine']
         units[name] = f"none, judged by its make: {row['reason']}"
         if row['status'] == 'done':
             files[name] = units[name] = written(store, name, row['unit'])
+            days = first[name]
             if row.get('refused'):
                 units[name] += f", of the first day alone: {row['refused']}"
-            logs = {*row['used']}
-            used |= {day.name for day in first[name] if logs & {*day.logs}}
+                days = days[:1]
+            used |= {day.name for day in days}
     own = [campaign._replace(rig=files.get(campaign.machine, campaign.rig))
            for campaign in campaigns]
     later = [campaign for campaign in own if campaign.name not in used]
@@ -90,16 +91,19 @@ def live(campaigns: Sequence[Campaign], store: Store, *,
     found = [answers.get(campaign.name) or row_of(
         campaign, status='commissioned', reason=None, diagnosis=None) for campaign in own]
     follow = {}
+    commissioned: set[str] = set()
     for name in machines:
         rig, given = _rig(own, name)
         units[name] = units[name] if name in files else given or units[name]
+        if rig and rig.fingerprint:
+            commissioned.add(name)
         follow[name] = to_follow([row for row in found if row['machine'] == name], rig,
                                  limited) if rig else {}
     done = {row['campaign'] for row in found if row['status'] != 'failed'}
     dated = [campaign for campaign in own if campaign.date and campaign.name in done
-             and (follow[campaign.machine] or campaign.machine in files)]
+             and (follow[campaign.machine] or campaign.machine in commissioned)]
     sizes = run(dated, task=partial(track_campaign, effects=follow), what='campaigns followed',
-                asked=lambda campaign: _question(follow[campaign.machine])) if dated else []
+                asked=lambda campaign: _question(follow[campaign.machine]))
     return Lives(found, units, [row for row in sizes if row['status'] == 'done'])
 
 
@@ -120,14 +124,14 @@ def _first_days(own: Sequence[Campaign], healthy: int) -> list[Campaign]:
                    key=lambda campaign: (campaign.date, campaign.name))
     days = [*dict.fromkeys(campaign.date for campaign in dated)]
     count = min(healthy, len(days) - 1)
-    if count < 1 or any(_commissioned(campaign) for campaign in own):
+    if count < 1 or any(map(_commissioned, {campaign.rig for campaign in own})):
         return []
     return [campaign for campaign in dated if campaign.date in days[:count]]
 
 
-def _commissioned(campaign: Campaign) -> bool:
+def _commissioned(rig: str) -> bool:
     try:
-        return bool(campaign.rig) and load_rig(campaign.rig).fingerprint is not None
+        return bool(rig) and load_rig(rig).fingerprint is not None
     except InputError:
         return True     # its campaigns will say what is wrong with it
 
@@ -151,11 +155,10 @@ def written(store: Store, name: str, unit: dict) -> str:
 
 
 def _rig(campaigns: Sequence[Campaign], machine: str) -> tuple[Rig | None, str]:
-    """Return the rig of a machine, and its file if that was commissioned before."""
-    paths = {campaign.rig for campaign in campaigns if campaign.machine == machine}
-    path = sorted(paths)[-1]
+    """Return the rig of a machine; and its file if that was commissioned before, or why none."""
+    path = max(campaign.rig for campaign in campaigns if campaign.machine == machine)
     try:
         rig = load_rig(path)
-    except InputError:
-        return None, ''
+    except InputError as problem:
+        return None, f'none: {problem}'
     return rig, path if rig.fingerprint else ''

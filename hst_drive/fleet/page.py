@@ -3,6 +3,7 @@
 """The page of a fleet: one file without scripts that opens offline and prints."""
 from __future__ import annotations
 
+import math
 from typing import Sequence
 
 from hst_drive.fleet.picture import picture
@@ -76,7 +77,8 @@ def _badge(machine: Machine) -> Markup:
 
 def _foremost(machine: Machine) -> Followed | None:
     """Return what a machine is listed for: the most urgent of what is there."""
-    return next((entry for entry in machine.followed if entry.there and entry.effect != OIL), None)
+    return next((entry for entry in machine.followed if entry.there and (
+        entry.effect != OIL or math.isfinite(entry.due))), None)
 
 
 def _overview(summary: Summary) -> Markup:
@@ -118,7 +120,7 @@ def _machine(number: int, machine: Machine) -> Markup:
     figures = [element('figure', element('figcaption', entry.effect.replace(
         OIL, 'oil stiffness')), picture(entry, f'{machine.name}: {entry.effect}'))
         for entry in shown or machine.followed[:1]]
-    done = machine.campaigns - machine.failed
+    done = sum(machine.verdicts.values())
     return element(
         'div', element('h3', f'{machine.name} ', _badge(machine)),
         element('ul', *(element('li', told) for told in of_machine(machine))),

@@ -82,7 +82,8 @@ def run_fleet(campaigns: Sequence[Campaign], store: Store, task: Task, *, worker
     total = len(set(keys))
     progress(Progress(None, len(rows), total, what))
     finished = _on_cluster if scheduler else _here
-    for key, row in finished(waiting, task, scheduler or workers or os.cpu_count() or 1):
+    for key, row in finished(
+            waiting, task, scheduler or workers or os.cpu_count() or 1) if waiting else ():
         row = rows[key] = {**row, 'key': key}
         store.put(key, row)
         progress(Progress(row, len(rows), total, what))

@@ -75,13 +75,12 @@ def _commissioned(campaign: Campaign) -> dict:
     alone = [run for run, path in zip(runs, campaign.logs) if Path(path).parent == first]
     refused = ''
     try:
-        unit, used = commission(rig, source, runs).rig, campaign.logs
+        unit = commission(rig, source, runs).rig
     except InputError as problem:
         if len(alone) == len(runs):
             raise
         unit, refused = commission(rig, source, alone).rig, str(problem)
-        used = campaign.logs[:len(alone)]
-    return {'unit': plain(unit), 'used': list(used), 'refused': refused}
+    return {'unit': plain(unit), 'refused': refused}
 
 
 def _tracked(campaign: Campaign, effects: Mapping[str, Mapping[str, float]]) -> dict:

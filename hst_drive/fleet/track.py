@@ -215,7 +215,8 @@ def to_follow(rows: Sequence[dict], rig: Rig,
         alike |= {name for name in named
                   if name in known[best].alike or best in known[name].alike}
         left = [names for names in left if names[0] not in alike and best not in names]
-    return chosen or {name: _typical(name) for name in [*limited][:_MOST] if name in known}
+    return chosen or {name: _typical(name) for name in [
+        name for name in limited if name in known][:_MOST]}
 
 
 def _typical(effect: str) -> dict[str, float]:

@@ -122,7 +122,7 @@ def of_machine(machine: Machine) -> list[str]:
     """Return what is to be said of a machine, the most urgent first."""
     told = []
     for entry in machine.followed:
-        if entry.effect == OIL and not entry.grows:
+        if entry.effect == OIL and not entry.grows and math.isinf(entry.due):
             continue
         if entry.there or entry.growth.kind != 'steady':
             told.append(f'{entry.effect} ({title(entry.effect)}): now {size(entry)}; '

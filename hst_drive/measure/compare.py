@@ -163,7 +163,9 @@ def compare_log(drive: Drive | PartModel, run: Run, *, closed_loop: bool = False
     """Do what ``compare`` does with one recording, but for the regions of the error."""
     refuse_still(run)
     bench = isinstance(drive, PartModel) and 'pump_command' not in run
-    count = Judged(np.ones(len(run), dtype=bool)) if all_seconds or bench else judged(run)
+    unit = drive.rig.fingerprint
+    count = Judged(np.ones(len(run), dtype=bool)) if all_seconds or bench else judged(
+        run, bool(unit and unit.starts))
     replay, shift, model, floor = _aligned(run, drive, count)
     run = replay.run
     noise = dict(replay.noise)

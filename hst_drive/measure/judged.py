@@ -55,13 +55,18 @@ class Judged(NamedTuple):
         return sum(span.end - span.start for span in self.left_out)
 
 
-def judged(run: Run) -> Judged:
-    """Return which samples of a recording of the whole drive count."""
+def judged(run: Run, own_starts: bool = False) -> Judged:
+    """
+    Return which samples of a recording of the whole drive count.
+
+    ``own_starts``: the machine's file says how far a model errs in starts from rest.
+    """
     time = run.time - run.time[0]
     out = np.zeros(len(run), dtype=bool)
     reasons, kept = {}, {}
     rest = _starting(run)
-    for why, part in (('start from rest', rest),
+    start = 'start from rest' + ", which a diagnosis judges by the machine's own" * own_starts
+    for why, part in ((start, rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time)),
                       ('stop', _stopped(run, time) & ~rest),

@@ -61,6 +61,27 @@ def test_a_list(fleet, tmp_path):
         find_campaigns(log)
 
 
+def test_a_list_of_folders_elsewhere(fleet, tmp_path):
+    """Two machines of one name stay two, and what lies above their logs counts."""
+    put(tmp_path / 'other' / 'rig_a' / '2026-03-14' / 'drilling.csv')
+    names = tmp_path / 'lists' / 'list.txt'
+    put(names, '../fleet/rig_a\n../other/rig_a\n')
+    found = find_campaigns(names)
+    assert [entry.machine for entry in found] == ['fleet/rig_a', 'other/rig_a']
+    assert [bool(entry.rig) for entry in found] == [True, False]
+
+
+def test_the_folder_of_one_machine(fleet):
+    found, = find_campaigns(fleet / 'rig_a')
+    assert (found.machine, found.date) == ('rig_a', '2026-03-14')
+
+
+def test_a_serial_number_that_reads_like_a_day(tmp_path):
+    put(tmp_path / 'rig_20240115' / 'run' / 'drilling_2026-03-14.csv')
+    found, = find_campaigns(tmp_path)
+    assert found.date == '2026-03-14'
+
+
 def test_the_dates_of_a_history(fleet):
     """From the folder, the log's name or nowhere; a diagnosis that tells no logs is no reason."""
     for path, told in (('rig_a/2026-03-14/drilling.csv', '2026-03-14'),
