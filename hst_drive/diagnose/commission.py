@@ -19,6 +19,7 @@ from hst_drive.diagnose.result import Diagnosis
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
+from hst_drive.effects.slots import LEAKS
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.conditions import conditions, reach_of, thinning
@@ -27,6 +28,7 @@ from hst_drive.identify.intervals import FORM, spread
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.unknowns import SIGMAS
+from hst_drive.identify.zeros import LATE
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
 from hst_drive.rig.adopted import with_delays
@@ -153,6 +155,13 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         rig = {**rig, 'calibration': {**(rig.get('calibration') or {}), **curve}}
         made, within = _of_make(rig, source)
         campaign = campaign_of(within, runs)
+    late = campaign.of_logs(all_to_fit=True).late()
+    if campaign.by_balance and late.delays:
+        # How late a sensor reads is the same for good.
+        rig = with_delays(rig, {key.removesuffix(LATE): delay
+                                for key, delay in calibrated(late).model.delays.items()})
+        made, within = _of_make(rig, source)
+        campaign = campaign_of(within, runs)
     campaign = campaign.of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
@@ -164,14 +173,17 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    # Of the quantities first, then of the zeros of sensors.
+    # Of the quantities first, then of the zeros of sensors; of leakages as shares of its own.
     make = np.array([made.tolerances.get(key, sigma)
                      for key, sigma in {**campaign.tolerances, **campaign.zeros}.items()])
-    covariance = known.covariances[:len(make), :len(make)] + np.diag((day_to_day * make)**2)
+    own = np.array([fitted.model.scales[key] if key in LEAKS.values() else 1.0
+                    for key in (*campaign.tolerances, *campaign.zeros)])
+    covariance = (known.covariances[:len(make), :len(make)] / np.outer(own, own)
+                  + np.diag((day_to_day * make)**2))
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
-               **{key: made.calibration.get(key, 1.0) * float(np.exp(value))
-                  for key, value in fitted.model.factors.items()}}
+               **{key: made.calibration.get(key, 1.0) * factor
+                  for key, factor in fitted.model.scales.items()}}
     unit = deepcopy(rig)    # with the law of its oil
     unit['calibration'] = {key: float(f'{value:.8g}') for key, value in factors.items()}
     correlation = np.round(covariance / np.outer(sigmas, sigmas), 4)

@@ -19,8 +19,8 @@ from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
-from hst_drive.identify.model import Model
-from hst_drive.identify.zeros import as_read, DELAY, delays_of, zeros_of
+from hst_drive.identify.model import Model, share_of
+from hst_drive.identify.zeros import as_read, DELAY, delays_of, LEARNT_DELAY, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.judged import judged, start_of
 from hst_drive.measure.oscillation import means_where, shaking
@@ -164,8 +164,8 @@ class Campaign:
         return found
 
     def least(self, key: str) -> float:
-        """Return the least that a factor (natural logarithm) may be: there it is of nothing."""
-        return -float(np.log(max(self.rig.calibration.get(key, 1.0), 1.0))) \
+        """Return the least share by which a unit may be off: there it is of nothing."""
+        return share_of(key, 1.0 / max(self.rig.calibration.get(key, 1.0), 1.0)) \
             if key in ONE_SIDED else -np.inf
 
     def typical(self, name: str) -> dict[str, float]:
@@ -284,10 +284,15 @@ class Campaign:
         curves = {} if self.commissioned_unit else {
             key: sigma for key, sigma in DOUBTED.items() if key not in self.rig.scatter
             and not (self.by_balance and key in WAVES) and self.tells(key, sigma)}
-        delays = self._delays(DELAY)
+        learnt = self.commissioned_unit and self.by_balance
+        delays = self._delays(LEARNT_DELAY if learnt else DELAY)
         if not curves and delays.keys() <= self.delays.keys():
             return None
         return self._changed(tolerances={**curves, **self.tolerances}, delays=delays)
+
+    def late(self) -> Campaign:
+        """Return the campaign of readings that may be late, each by itself."""
+        return self._changed(delays=self._delays(DELAY))
 
     def tells(self, key: str, sigma: float) -> bool:
         """Say whether such logs can tell by how much a unit is off."""

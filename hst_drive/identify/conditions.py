@@ -23,6 +23,7 @@ _ROOM, _ROOM_TEMPERATURE = 0.1, 5.0
 # What a hydromotor loses of its torque follows the viscosity by a power whose one sigma this is:
 # dry friction by 0, viscous drag by 1, and on sheets that is a tenth of all.
 _TORQUE_POWER = 0.1
+_OTHERWISE = 0.25   # of that: what may go with the pressure otherwise than all losses of the sheet
 # Mineral oil is softer by half a percent of its bulk modulus a kelvin; one sigma, 1/K.
 _SOFTER = 0.005
 _OIL = [entry.name for entry in OIL_POWER]
@@ -71,7 +72,7 @@ class Oil(NamedTuple):
 
 class Prior(NamedTuple):
     """
-    Factors of the unit: expected ones, how far off (logarithm, one sigma), and their ties.
+    Factors of the unit: expected ones, how far off (share, one sigma), and their ties.
 
     ``torque`` is the share of its torque by which other oil may brake the hydromotor, one sigma.
     """
@@ -132,6 +133,7 @@ def prior(rig: Rig, runs: Sequence[Run], waves: bool = False) -> Prior:
     spreads = {key: value for key, value in {
         **dict.fromkeys(LEAKS.values(), spread),
         'line.bulk_modulus': _SOFTER * warmer,
+        'motor.mechanical_efficiency': _OTHERWISE * off * lost,
         'loading.pump_mechanical_efficiency': off * lost_loading}.items() if key in sigmas}
     if off * lost:
         spreads['motor.torque_loss'] = off
@@ -164,8 +166,9 @@ def _thinner(rig: Rig, runs: Sequence[Run]) -> tuple[float, float, float]:
     if 'oil_temperature' not in rig.fingerprint.conditions or reach is None:
         return 0.0, 0.0, 0.0
     there = rig.fingerprint.conditions['oil_temperature']
-    # One factor stood for all oil there, too: only what lies beyond is new.
-    learnt = np.clip([reach[0], rig.characterised_at, reach[2]], *there)
+    # One factor stood for all oil there, or a law: only what lies beyond is new.
+    usual = reach[1] if OIL_LAW in rig.effects else rig.characterised_at
+    learnt = np.clip([reach[0], usual, reach[2]], *there)
     thinner = np.log(rig.viscosity_ratio(learnt) / rig.viscosity_ratio(np.array(reach)))
     return (float(thinner[1]), float(thinner[np.abs(thinner).argmax()]),
             float(np.abs(reach - learnt).max()))

@@ -26,7 +26,8 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
     """
     Return models to fit from: the two that promise most, and the first.
 
-    Tried are its typical size and a third of it; each form that it declares, at the one of these
+    Tried are its typical size and a third of it (of what makes oil soft more, where starts from
+    rest count); each form that it declares, at the one of these
     that leaves less; and what the effect is alone. Or the orders of the swings that are left.
     What is not fitted yet starts at the size that would leave least if errors grew in proportion
     to it. A resonance starts where the torque alone says; if the torque is nearer without the

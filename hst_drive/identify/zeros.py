@@ -19,6 +19,7 @@ import numpy as np
 
 LATE = '.delay'         # behind a channel's name: how late that reads
 DELAY = 0.005           # s, one sigma: amplifiers filter from 30 Hz on, and a bus takes its time
+LEARNT_DELAY = 0.0005   # s: of a machine whose delays were learnt
 
 
 def zeros_of(rig: Rig, replays: Sequence[Replay | PartReplay],

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import math
 from typing import Iterator, Mapping
 
+from hst_drive.channels import LINES
 from hst_drive.errors import InputError
 from hst_drive.rig.schema import SENSOR_UNITS, TOLERANCES
 from hst_drive.units import difference_from_si, difference_to_si, to_si
@@ -14,8 +15,9 @@ import numpy as np
 
 # Conditions that a fingerprint holds for: channel, suffix of its key, unit.
 CONDITIONS: dict[str, tuple[str, str]] = {
-    'pump_outlet_pressure': ('bar', 'bar'), 'motor_inlet_pressure': ('bar', 'bar'),
-    'motor_speed': ('rpm', 'rpm'), 'oil_temperature': ('degC', 'degC')}
+    **{name: ('bar', 'bar') for name in ('pump_outlet_pressure', 'motor_inlet_pressure', *LINES)},
+    'motor_speed': ('rpm', 'rpm'), 'pump_speed': ('rpm', 'rpm'),
+    'oil_temperature': ('degC', 'degC')}
 SECTION = 'commissioned'
 _KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
 OIL_LAW_SIGMA = 'leakage_temperature_exponent_sigma'    # only where that was learnt
@@ -32,7 +34,7 @@ class Fingerprint:
     Attributes
     ----------
     sigmas : dict of str to float
-        By quantity: one standard deviation of the natural logarithm of its factor, day-to-day
+        By quantity: one standard deviation, as a share of its factor, day-to-day
         repeatability included.
     correlation : dict of (str, str) to float
         Of pairs of quantities and of channels with a zero, each pair in both orders.

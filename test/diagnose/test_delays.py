@@ -16,6 +16,7 @@ from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import load_rig, parse_rig
+from hst_drive.rig.yaml_file import read_yaml
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -111,3 +112,19 @@ def test_a_closed_circuit_whose_readings_are_late_lacks_nothing(tmp_path):
     late = {entry.channel: entry.value for entry in found.delays}
     assert late['motor_torque'] - late['line_a_pressure'] == pytest.approx(0.014, abs=0.004)
     assert late['line_b_pressure'] == pytest.approx(late['line_a_pressure'], abs=0.002)
+
+
+@pytest.mark.slow
+def test_a_speed_that_reads_late_since_commissioning_is_told(tmp_path):
+    """It passed for four other sensors that read early."""
+    def logs(place, **delay):
+        folder = write_campaign(make_closed('closed', 29003, {}, delay=delay), tmp_path / place)
+        return read_yaml(folder / 'rig.yaml'), [
+            read_log(file) for file in sorted(folder.glob('*.csv'))]
+
+    make, healthy = logs('healthy')
+    unit = parse_rig(commission(make, 'rig.yaml', healthy[:2]).rig, 'unit.yaml')
+    assert diagnose(unit, healthy[2:]).verdict == 'none'
+    lag, = diagnose(unit, logs('late', motor_speed=0.02)[1][2:]).effects
+    assert lag.id == 'speed_sensor_lag'
+    assert lag.parameters['time_constant'].value == pytest.approx(0.02, abs=0.004)

@@ -20,7 +20,7 @@ import pytest
 
 def calibration(effects, late):
     """Return campaign and fit of a log in which half of the steps may show a row late."""
-    made = make_campaign(41, effects, logs=('open_loop',), noise=0.5, keep_exact=False)
+    made = make_campaign(41, effects, logs=('open_loop',), noise=0.4, keep_exact=False)
     (name, columns), = made.logs.items()
     random = np.random.default_rng(41)
     for key in ('pump_command[V]', 'pprv_command[V]') if late else ():
