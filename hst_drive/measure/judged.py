@@ -65,7 +65,7 @@ def judged(run: Run, own_starts: bool = False) -> Judged:
     out = np.zeros(len(run), dtype=bool)
     reasons, kept = {}, {}
     rest = _starting(run)
-    start = 'start from rest' + ", which a diagnosis judges by the machine's own" * own_starts
+    start = 'start from rest' + " (by the machine's own in a diagnosis)" * own_starts
     for why, part in ((start, rest),
                       ('start in motion', _in_motion(run, time) & ~rest.any()),
                       ('cavitation', _cavitating(run, time)),
