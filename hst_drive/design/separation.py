@@ -203,6 +203,6 @@ def _apart(search: Search, best: Candidate, rivals: Sequence[Candidate]) -> floa
 
 
 def within_limits(factors: dict[str, float], tolerances: dict[str, float]) -> dict[str, float]:
-    """Return a unit's factors (shares) held within their limits."""
+    """Return a unit's factors (natural logarithms) held within their limits."""
     return {key: float(np.clip(value, -SIGMAS * tolerances[key], SIGMAS * tolerances[key]))
             for key, value in factors.items() if key in tolerances}

@@ -19,7 +19,6 @@ from hst_drive.diagnose.result import Diagnosis
 from hst_drive.effects import catalogue
 from hst_drive.effects.base import arguments, OIL_POWER
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
-from hst_drive.effects.slots import LEAKS
 from hst_drive.errors import InputError
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.conditions import conditions, reach_of, thinning
@@ -173,13 +172,10 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
     from_logs = day_to_day is None and len(runs) > 1
     if day_to_day is None:
         day_to_day = float(f'{repeatability(campaign, fitted):.2g}') if from_logs else DAY_TO_DAY
-    # Of the quantities first, then of the zeros of sensors; of leakages as shares of its own.
+    # Of the quantities first, then of the zeros of sensors.
     make = np.array([made.tolerances.get(key, sigma)
                      for key, sigma in {**campaign.tolerances, **campaign.zeros}.items()])
-    own = np.array([fitted.model.scales[key] if key in LEAKS.values() else 1.0
-                    for key in (*campaign.tolerances, *campaign.zeros)])
-    covariance = (known.covariances[:len(make), :len(make)] / np.outer(own, own)
-                  + np.diag((day_to_day * make)**2))
+    covariance = known.covariances[:len(make), :len(make)] + np.diag((day_to_day * make)**2)
     sigmas = np.sqrt(np.diag(covariance))
     factors = {**made.calibration,
                **{key: made.calibration.get(key, 1.0) * factor

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+import math
 
 from hst_drive.design.design import Design, design
 from hst_drive.design.rivals import by_name, matched, Rivals, widened
@@ -11,7 +12,7 @@ from hst_drive.design.trials import limits, LONGEST
 from hst_drive.diagnose.result import require_schema, UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
-from hst_drive.identify.model import Model, share_of
+from hst_drive.identify.model import Model
 from hst_drive.rig import Rig
 
 _MOST = 7       # explanations that a diagnosis left
@@ -84,7 +85,7 @@ def of_diagnosis(diagnosis: dict, source: str,
     require_schema(diagnosis, source)
     try:
         channels = tuple(diagnosis['errors']['before'])
-        factors = {entry['quantity']: share_of(entry['quantity'], entry['factor'])
+        factors = {entry['quantity']: math.log(entry['factor'])
                    for entry in diagnosis.get('calibration', ())}
         effects = {entry['id']: {key: float(value['value'])
                                  for key, value in entry['parameters'].items()}

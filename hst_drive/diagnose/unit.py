@@ -9,7 +9,6 @@ from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Calibrated, Zero
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.fit import at_limit, Fit, limited
-from hst_drive.identify.model import factor_of
 from hst_drive.identify.zeros import LATE
 
 
@@ -23,7 +22,7 @@ def at_limits(campaign: Campaign, fitted: Fit) -> list[str]:
 def calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
     """Return the quantities, the furthest off in their tolerances first."""
     return tuple(sorted(
-        (Calibrated(key, campaign.expected.get(key, 1.0) * factor_of(key, value),
+        (Calibrated(key, campaign.expected.get(key, 1.0) * fitted.model.scales[key],
                     value / campaign.tolerances[key], at_limit(campaign, key, value))
          for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
 

@@ -19,7 +19,7 @@ from hst_drive.effects.slots import LEAKS, OF_OTHER_CIRCUITS
 from hst_drive.identify.columns import Column, columns
 from hst_drive.identify.conditions import faults_of, moved, prior
 from hst_drive.identify.evidence import CREDIBLE, STRONG
-from hst_drive.identify.model import Model, share_of
+from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import as_read, DELAY, delays_of, LEARNT_DELAY, zeros_of
 from hst_drive.measure.circuit import replay_of
 from hst_drive.measure.judged import judged, start_of
@@ -164,8 +164,8 @@ class Campaign:
         return found
 
     def least(self, key: str) -> float:
-        """Return the least share by which a unit may be off: there it is of nothing."""
-        return share_of(key, 1.0 / max(self.rig.calibration.get(key, 1.0), 1.0)) \
+        """Return the least that a factor (natural logarithm) may be: there it is of nothing."""
+        return -float(np.log(max(self.rig.calibration.get(key, 1.0), 1.0))) \
             if key in ONE_SIDED else -np.inf
 
     def typical(self, name: str) -> dict[str, float]:

@@ -92,7 +92,7 @@ def intervals(campaign: Campaign, fitted: Fit, forms: Mapping[str, float] = {}
     """
     Return low and high of each unknown, SI, by (effect, parameter); effect '' for the unit.
 
-    Factors of the unit are shares. Bounds of the parameters are kept. For ``forms``
+    Factors of the unit are natural logarithms. Bounds of the parameters are kept. For ``forms``
     see ``spread``. A size that its shape leaves open (a gas volume, known but for the precharge)
     is one by its ratio: where the effect is there for sure, nothing is no value for it.
     """

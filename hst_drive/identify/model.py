@@ -8,27 +8,11 @@ import math
 
 from hst_drive.effects.slots import LEAKS
 
-_ADDED = frozenset(LEAKS.values())
-_HALF = 0.5     # of a leakage: below, it falls by its logarithm, too
+_HALF = 0.5     # of a leakage: below, it falls by its logarithm
 
 
-def factor_of(key: str, share: float) -> float:
-    """
-    Return the factor on a quantity that a unit is off by a share.
-
-    Balances see products of most quantities, so that shares are natural logarithms. Leakages add
-    up: where their sum alone is known, moving along it must not change it.
-    """
-    if key not in _ADDED:
-        return math.exp(share)
+def _linear(share: float) -> float:
     return 1.0 + share if share >= -_HALF else _HALF * math.exp((share + _HALF) / _HALF)
-
-
-def share_of(key: str, factor: float) -> float:
-    """Return the share of a factor, above 0; see ``factor_of``."""
-    if key not in _ADDED:
-        return math.log(factor)
-    return factor - 1.0 if factor >= _HALF else _HALF * math.log(factor / _HALF) - _HALF
 
 
 @dataclass(frozen=True)
@@ -41,11 +25,14 @@ class Model:
     effects : dict of str to dict of str to float
         Id to parameters, SI.
     factors : dict of str to float
-        Share by which the unit is off in each quantity of ``rig.tolerances`` (``factor_of``).
+        Natural logarithm of the factor on each quantity of ``rig.tolerances``.
     zeros : dict of str to float
         What each sensor reads beyond the truth throughout, by channel, SI.
     delays : dict of str to float
         How late each sensor reads, by 'channel.delay', s.
+    added : bool
+        Whether leakages are off by shares instead: of a machine that was commissioned. They add
+        up, and where their sum alone is known, moving along it must not change it.
 
     """
 
@@ -53,6 +40,7 @@ class Model:
     factors: dict[str, float] = field(default_factory=dict)
     zeros: dict[str, float] = field(default_factory=dict)
     delays: dict[str, float] = field(default_factory=dict)
+    added: bool = False
 
     @property
     def unit(self) -> dict[str, float]:
@@ -62,7 +50,8 @@ class Model:
     @property
     def scales(self) -> dict[str, float]:
         """Factor on each quantity."""
-        return {key: factor_of(key, value) for key, value in self.factors.items()}
+        return {key: _linear(value) if self.added and key in LEAKS.values() else math.exp(value)
+                for key, value in self.factors.items()}
 
     def with_effect(self, name: str, values: dict[str, float]) -> Model:
         """Return a model with one effect more, or with other parameters for it."""

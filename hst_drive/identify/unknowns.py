@@ -7,6 +7,7 @@ from typing import Collection
 
 from hst_drive.effects import effect_of
 from hst_drive.effects.formula import FORMULAS
+from hst_drive.effects.slots import LEAKS
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.model import Model
 import numpy as np
@@ -41,6 +42,8 @@ class Unknowns:
                         if campaign.fits(name, key) and (values[key] or name not in FORMULAS)
                         and (name, key) not in kept))
         self.factors = len(factors)     # of the unit; they come first
+        self._added = campaign.commissioned_unit and any(
+            key in LEAKS.values() for _, key in factors)
         values, vectors = np.linalg.eigh(np.reshape(
             [campaign.ties.get((one, other), float(one == other))
              for _, one in factors for _, other in factors], (len(factors), -1 if factors else 0)))
@@ -74,7 +77,7 @@ class Unknowns:
         for (effect, key), value in zip(self.names, values):
             known = effects[effect] if effect else read.get(key, factors)
             known[key] = float(value)
-        return Model(effects, factors, zeros, delays)
+        return Model(effects, factors, zeros, delays, self._added)
 
 
 def _range(campaign: Campaign, effect: str, key: str) -> tuple[float, float, float]:

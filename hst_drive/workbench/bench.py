@@ -17,7 +17,7 @@ from hst_drive.diagnose.result import as_json
 from hst_drive.effects import catalogue
 from hst_drive.errors import InputError
 from hst_drive.identify.fit import fit
-from hst_drive.identify.model import factor_of, Model, share_of
+from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
 from hst_drive.measure.compare import compare, LogComparison, model_of
@@ -197,7 +197,7 @@ class Workbench:
         found = fit(in_step(self.campaign, whole), whole, iterations=_FIT_STEPS, kept=kept,
                     progress=progress).model
         return PageModel(found.effects, {
-            key: factor_of(key, value) for key, value in found.factors.items() if value})
+            key: found.scales[key] for key, value in found.factors.items() if value})
 
     def diagnose(self, model: PageModel, progress: Callable[[str], None]) -> dict:
         """Say what the model still lacks, and which models take it over."""
@@ -264,7 +264,7 @@ def parameters(rig: Rig) -> list[dict]:
 
 def _campaign_model(model: PageModel) -> Model:
     return Model({name: dict(values) for name, values in model.effects.items()},
-                 {key: share_of(key, value) for key, value in model.factors.items()})
+                 {key: math.log(value) for key, value in model.factors.items()})
 
 
 def _stamp(source: str) -> tuple[int, int] | None:

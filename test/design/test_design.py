@@ -166,7 +166,7 @@ def test_rivals_come_from_the_diagnosis():
     assert left.names == (('viscous_drag',), ('line_loss',))
     assert left.channels == CHANNELS
     assert left.models[0].effects == {'viscous_drag': {'coefficient': 0.8}}
-    assert left.models[0].scales['motor.leakage'] == pytest.approx(1.1)
+    assert left.models[0].factors['motor.leakage'] == pytest.approx(np.log(1.1))
     assert left.models[1] is None
     told = of_diagnosis(_diagnosis(next_test={'models': [
         {'viscous_drag': {'coefficient': 0.8}},

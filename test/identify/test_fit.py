@@ -25,6 +25,7 @@ class Linear:
     ties = {}
     zeros = delays = {}
     adopted = {}
+    commissioned_unit = False
 
     @property
     def sigmas(self):
