@@ -215,13 +215,11 @@ def commission(logs: Any, rig: Rigs = None, *, channels: Channels = None,
 
     """
     from hst_drive.diagnose.commission import commission as work
+    from hst_drive.rig.fingerprint import day_to_day_share
 
     file = load_rig(rig)
     if day_to_day is not None:
-        day_to_day = given.number(day_to_day, 'day_to_day')
-        if not 0.0 <= day_to_day <= 10.0:
-            raise InputError(f'day_to_day: found {day_to_day:g}, expected a share of the '
-                             'tolerance from 0 to 10, 0.1 say')
+        day_to_day = day_to_day_share(given.number(day_to_day, 'day_to_day'), 'day_to_day')
     found = work(file.content, file.source, _runs(logs, channels), day_to_day,
                  progress=given.progress(progress))
     return RigFile(found.rig, 'commissioned rig')

@@ -54,10 +54,9 @@ def day_to_day_of(args: argparse.Namespace) -> float | None:
     if args.day_to_day is not None and not getattr(args, 'since', True):
         raise InputError('--day-to-day: goes with --since, or with commission: it says what is '
                          'learnt from healthy logs')
-    if args.day_to_day is not None and not 0.0 <= args.day_to_day <= 10.0:
-        raise InputError(f'--day-to-day {args.day_to_day:g}: expected a share of the tolerance '
-                         'from 0 to 10, 0.1 say')
-    return args.day_to_day
+    from hst_drive.rig.fingerprint import day_to_day_share
+
+    return None if args.day_to_day is None else day_to_day_share(args.day_to_day, '--day-to-day')
 
 
 def add_rig_argument(parser: argparse.ArgumentParser) -> None:

@@ -154,14 +154,13 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
         rig = {**rig, 'calibration': {**(rig.get('calibration') or {}), **curve}}
         made, within = _of_make(rig, source)
         campaign = campaign_of(within, runs)
-    late = campaign.of_logs(all_to_fit=True).late()
-    if campaign.by_balance and late.delays:
+    campaign = campaign.of_logs(all_to_fit=True)
+    if campaign.by_balance and (late := campaign.late()).delays:
         # How late a sensor reads is the same for good.
         rig = with_delays(rig, {key.removesuffix(LATE): delay
                                 for key, delay in calibrated(late).model.delays.items()})
         made, within = _of_make(rig, source)
-        campaign = campaign_of(within, runs)
-    campaign = campaign.of_logs(all_to_fit=True)
+        campaign = campaign_of(within, runs).of_logs(all_to_fit=True)
     if not campaign.tolerances:
         raise InputError(f"{source}: 'tolerances_1_sigma_relative' has no quantity that these "
                          'logs show: there is nothing to learn; add how far units of this make '

@@ -60,23 +60,23 @@ def find_campaigns(place: str | os.PathLike[str]) -> list[Campaign]:
         if place.suffix in ('.csv', '.mcap'):
             raise InputError(f'{place}: is a log; give the folder that it lies in, or a list of '
                              'folders')
-        root, folders = place.parent, [place.parent / line for line in _lines(place)]
+        folders = [place.parent / line for line in _lines(place)]
         absent = [folder for folder in folders if not folder.is_dir()]
         if absent:
             raise InputError(f'{place}: names {absent[0]}, which is no folder')
-        inside, tops = os.path.abspath(root), [os.path.abspath(folder) for folder in folders]
-        if os.path.commonpath([inside, *tops]) != inside:
+        root, tops = os.path.abspath(place.parent), [os.path.abspath(top) for top in folders]
+        if os.path.commonpath([root, *tops]) != root:
             # So that two machines of one name at two places stay two.
-            root = Path(os.path.commonpath([os.path.dirname(top) for top in tops]))
+            root = os.path.commonpath([os.path.dirname(top) for top in tops])
     else:
-        root, folders = place, [place]
-    if not root.is_dir():
+        root, folders = os.path.abspath(place), [place]
+    if not os.path.isdir(root):
         raise InputError(f'{place}: not found; expected a folder with campaigns, or a list of '
                          'them')
     found: dict[Path, Campaign] = {}
     for folder in folders:
         for below in _folders(folder):
-            campaign = _campaign(below, root)
+            campaign = _campaign(below, Path(root))
             if campaign:
                 found[below.resolve()] = campaign
     if not found:
@@ -112,7 +112,7 @@ def _campaign(folder: Path, root: Path) -> Campaign | None:
     if not logs:
         return None
     held = tuple(path for path in logs if _HOLDOUT.search(Path(path).name))
-    parts = Path(os.path.abspath(folder)).relative_to(os.path.abspath(root)).parts
+    parts = Path(os.path.abspath(folder)).relative_to(root).parts
     name = '/'.join(parts) or folder.resolve().name
     machine = '/'.join(parts[:-1]) or _DATE.sub('', name).strip('-_. ') or root.resolve().name
     return Campaign(name, machine, _date(name, logs),
@@ -125,7 +125,7 @@ def _beside(folder: Path, root: Path, name: str) -> str:
     for place in (folder, *folder.parents):
         if (place / name).is_file():
             return str(place / name)
-        if os.path.abspath(place) == os.path.abspath(root):
+        if os.path.abspath(place) == str(root):
             return ''
     return ''
 

@@ -119,10 +119,12 @@ def _in_motion(run: Run, time: np.ndarray) -> np.ndarray:
 def _stopped(run: Run, time: np.ndarray) -> np.ndarray:
     """Tell where the shaft stands since nothing is asked for (a stall is how the drive runs)."""
     out, off = np.zeros((2, len(time)), dtype=bool)
-    for name in ('pump_command', 'speed_setpoint'):
-        above = run.channels.get(name, np.zeros(1)) - np.nanmin(run.channels.get(name, 0.0))
+    if 'motor_speed' not in run:
+        return out
+    for name in {'pump_command', 'speed_setpoint'} & run.channels.keys():
+        above = run[name] - np.nanmin(run[name])
         off |= above < _OFF * np.nanmedian(above)
-    speed = np.abs(run.channels.get('motor_speed', np.ones(len(time))))
+    speed = np.abs(run['motor_speed'])
     for first, end in stretches(speed < _STANDS * np.nanmedian(speed)):
         if off[first:end].any() and time[end - 1] - time[first] > _SOON:
             out |= (time >= time[first]) & (time < time[end - 1] + _AFTER)

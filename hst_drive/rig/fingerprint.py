@@ -20,6 +20,7 @@ CONDITIONS: dict[str, tuple[str, str]] = {
     'oil_temperature': ('degC', 'degC')}
 SECTION = 'commissioned'
 _KEYS = ('sigma_relative', 'correlation', 'day_to_day_share_of_tolerance', 'conditions')
+_MOST_DAY_TO_DAY = 10.0
 OIL_LAW_SIGMA = 'leakage_temperature_exponent_sigma'    # only where that was learnt
 ZEROS = 'zeros'     # of sensors, each its value and one sigma
 STARTS = 'start_error'  # how far the model errs while the drive starts from rest
@@ -93,7 +94,7 @@ def read_fingerprint(found: object, source: str) -> Fingerprint:
     return Fingerprint(
         {key: float(value) for key, value in sigmas.items()},
         _correlation(content['correlation'], [*sigmas, *zeros], source),
-        _number(content[_KEYS[2]], 0.0, 10.0, source, share),
+        _number(content[_KEYS[2]], 0.0, _MOST_DAY_TO_DAY, source, share),
         _conditions(content['conditions'], source),
         _number(content.get(OIL_LAW_SIGMA, 0.0), 0.0, 1.0, source, f'{SECTION}.{OIL_LAW_SIGMA}'),
         zeros, _starts(content.get(STARTS, {}), source))
@@ -178,6 +179,14 @@ def _mapping(found: object, source: str, where: str) -> dict:
     if not isinstance(found, dict):
         raise InputError(f"{source}: '{where}' is {found!r}, expected a mapping of keys")
     return found
+
+
+def day_to_day_share(value: float, name: str) -> float:
+    """Return a repeatability, in the make's tolerances; raise InputError if it can be none."""
+    if not 0.0 <= value <= _MOST_DAY_TO_DAY:
+        raise InputError(f'{name} {value:g}: expected a share of the tolerance from 0 to '
+                         f'{_MOST_DAY_TO_DAY:g}, 0.1 say')
+    return value
 
 
 def _number(value: object, low: float, high: float, source: str, where: str) -> float:

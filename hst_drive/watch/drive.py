@@ -93,7 +93,7 @@ class Observer:
         rig.require('motor', purpose='the estimator')
         self.rig, self.settings = rig, settings
         self._limits = settings.limits or limits_of(rig)
-        self.model = part_model(following_oil(rig))
+        self.model = part_model(following_oil(rig)[0])
         self.signatures = Signatures(self.model)
         self.signals = (SPEED, *(name for name in signals if name != SPEED))
         self._optional = tuple(name for name in (

@@ -69,16 +69,17 @@ class Block(NamedTuple):
     samples: Samples
 
 
-def following_oil(rig: Rig) -> Rig:
+def following_oil(rig: Rig) -> tuple[Rig, float]:
     """
-    Return a commissioned machine whose leakages follow its oil, as those of any machine may.
+    Return a commissioned machine whose leakages follow its oil, and one sigma of the power.
 
-    By which power is learnt while it drills.
+    Where that was not learnt it is learnt while the machine drills. 0: it is taken as known.
     """
-    if OIL_LAW in rig.effects or not (
-            rig.fingerprint and 'oil_temperature' in rig.fingerprint.conditions):
-        return rig
-    return replace(rig, effects={**rig.effects, OIL_LAW: {'exponent': POWER}})
+    if not rig.fingerprint or 'oil_temperature' not in rig.fingerprint.conditions:
+        return rig, 0.0
+    if OIL_LAW in rig.effects:
+        return rig, rig.fingerprint.oil_law
+    return replace(rig, effects={**rig.effects, OIL_LAW: {'exponent': POWER}}), _POWER_SIGMA
 
 
 class Balances:
@@ -98,12 +99,8 @@ class Balances:
     """
 
     def __init__(self, rig: Rig, signals: tuple[str, ...], accuracy: Accuracy | None = None):
-        self.rig = following_oil(rig)
+        self.rig, self._oil = following_oil(rig)
         self.model = part_model(self.rig)
-        # One sigma of the power: as it was learnt, or of what is assumed.
-        known = rig.fingerprint and 'oil_temperature' in rig.fingerprint.conditions
-        self._oil = 0.0 if not known else (
-            rig.fingerprint.oil_law if self.rig is rig else _POWER_SIGMA)
         self._signals, self.accuracy = signals, accuracy or accuracy_of(rig)
         self.closed = watched(signals, rig)
         self.correlation = rig.fingerprint.correlation if rig.fingerprint else {}
