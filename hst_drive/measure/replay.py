@@ -23,7 +23,7 @@ from hst_drive.measure.noise import Coloured, estimate_coloured, Smoother, varia
 from hst_drive.measure.readings import bridged, earlier, filled, later, Readings
 from hst_drive.measure.recorded_load import RecordedLoad
 from hst_drive.measure.run import Run, shifted
-from hst_drive.measure.start import Beginning, first_state, unsettled_load
+from hst_drive.measure.start import Beginning, first_state
 from hst_drive.measure.turns import into_step
 from hst_drive.model import Drive, usual_sensors
 from hst_drive.model.drive import turned
@@ -96,15 +96,8 @@ class Replay(RecordedLoad):
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
         self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] | None = None
         self._predicted: tuple[tuple, tuple, dict[str, np.ndarray]] | None = None
-        known = {name: filled(run[name]) for name in self.signals}
-        self._beginning = Beginning.of(time, known, self.inputs['pump_command'])
-        if self.torque and 'motor_speed' in run:
-            before = unsettled_load(drive, time, known[self.torque], known['motor_speed'],
-                                    self.inputs['pprv_command'], temperature)
-            if before is not None:
-                # A log may begin at a load step: then the PPRV comes from another command.
-                self.inputs['pprv_command'] = np.append(
-                    before, self.inputs['pprv_command'][1:])
+        self._beginning = Beginning.of(
+            time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
         if self.between.steps > 1:
             # A slow record does not show each command: a straight line between the recorded ones
             # may be nearer to what the drive got than holding the older one. The data decide.

@@ -9,14 +9,13 @@ from hst_drive.channels import COMMANDS
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
-from hst_drive.model.steady import root, twist_at
+from hst_drive.model.steady import twist_at
 import numpy as np
 
 _FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
 _LINE, _LINE_ROWS = 0.05, 3     # s and rows at least, over which a reading moves on a line
 _SWINGS = 2.0       # deviations of a reading's own swing: further off it is in motion
 _RESTS = 1.0        # s over which what flows tells where the plate rests
-_MOVING = 0.1       # of the settled load: the reading is further off than a unit may be
 
 
 class Beginning(NamedTuple):
@@ -55,31 +54,6 @@ def _drifts(since: np.ndarray, values: np.ndarray) -> bool:
     late = values[since > 0.5 * since[-1]]
     return len(values) > 2 * _FIRST and bool(
         abs(values[:_FIRST].mean() - late.mean()) > _SWINGS * late.std())
-
-
-def unsettled_load(drive: Drive, time: np.ndarray, torque: np.ndarray, speed: np.ndarray,
-                   command: np.ndarray, oil_temperature: np.ndarray) -> float | None:
-    """
-    Return the PPRV's command (V) on which the load has settled that is read at first.
-
-    None if that is the first command, or if none is: the PPRV's pressure is no channel.
-    """
-    def settled(volts: float) -> float:
-        return drive.load_at(volts, speed[0], oil_temperature[0])
-
-    now = settled(float(command[0]))
-    off = abs(torque[1] - now)
-    if off < _MOVING * max(abs(now), float(np.median(np.abs(torque)))) or abs(speed[0]) < 0.1:
-        return None
-    since = time - time[0]
-    late = (since > 0.3 * _RESTS) & (since < _RESTS) & (np.abs(command - command[0]) < _STILL)
-    if late.sum() > 2 and abs(float(torque[late].mean()) - now) > 0.5 * off:
-        return None     # it stays there: no load that moves, but another one
-    table = drive.rig.loading.pprv_pressure
-    low, high = settled(table.x[0]), settled(table.x[-1])
-    if not low < torque[1] < high:
-        return None
-    return root(lambda volts: settled(volts) - torque[1], table.x[0], table.x[-1], 1e-3)
 
 
 def first_state(drive: Drive, beginning: Beginning, inputs: Mapping[str, float],
