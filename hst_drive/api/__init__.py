@@ -406,7 +406,7 @@ def design(diagnosis: Diagnosis | PathLike | Mapping[str, Any] | None = None, ri
     return Design(found) if found is not None else None
 
 
-def effects(identity: str | None = None) -> Effects:
+def effects(identity: str | None = None, *, rig: Rigs = None) -> Effects:
     """
     Return the physical effects that the model can add, or explain one.
 
@@ -414,11 +414,14 @@ def effects(identity: str | None = None) -> Effects:
     ----------
     identity : str, optional
         The effect to explain; by default all are listed.
+    rig : RigFile, path or mapping, optional
+        List only what has a place in the equations of its circuit; by default those of all
+        circuits.
 
     Raises
     ------
     InputError
-        If there is no such effect.
+        If there is no such effect, or it has no place there.
 
     Examples
     --------
@@ -427,13 +430,15 @@ def effects(identity: str | None = None) -> Effects:
     ('motor_leakage',)
     >>> 'motor_leakage' in hd.effects().ids
     True
+    >>> 'valve_lag' in hd.effects(rig=hd.load_rig()).ids
+    False
 
     """
     from hst_drive.report.effects import chosen
 
     if identity is not None and not isinstance(identity, str):
         raise InputError(f'effects: found {identity!r}, expected the id of one effect')
-    return Effects(chosen(identity), identity)
+    return Effects(chosen(identity, None if rig is None else load_rig(rig).rig), identity)
 
 
 def losses(table: Any, *, channels: Channels = None, oil: str = 'ISO VG 46') -> Losses:

@@ -3,15 +3,16 @@
 """
 The verb ``effects``: what a baseline drive model may lack.
 
-Without an id, lists all effects by the balance that they enter; with one, explains it. Effects
-of other packages (entry-point group hst_drive.effects) are listed with the package's name.
-Numbers are in SI. The ids are those of rig files, of diagnoses and of the plant node's parameter
-``effects``.
+Without an id, lists all effects by the balance that they enter; with one, explains it. With --rig
+only those that have a place in the equations of the rig's circuit. Effects of other packages
+(entry-point group hst_drive.effects) are listed with the package's name. Numbers are in SI. The
+ids are those of rig files, of diagnoses and of the plant node's parameter ``effects``.
 """
 from __future__ import annotations
 
 import argparse
 
+from hst_drive.cli.common import rig_of
 from hst_drive.cli.output import add_json_argument, say, write_json
 
 HELP = 'physical effects that the model can add: list, or explain one'
@@ -21,6 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument('id', nargs='?', metavar='ID',
                         help='effect to explain (default: list all)')
+    parser.add_argument('--rig', metavar='RIG.yaml',
+                        help="only what its circuit has a place for (default: all circuits')")
     add_json_argument(parser)
 
 
@@ -31,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
 
     for line in left_out():
         say(line)
-    effects = chosen(args.id)
+    effects = chosen(args.id, rig_of(args) if args.rig else None)
     if args.json != '-':
         print(text(effects, args.id))
     if args.json:

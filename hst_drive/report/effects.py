@@ -7,30 +7,37 @@ import textwrap
 
 from hst_drive.effects import catalogue, Effect, left_out, origin, SLOTS, unknown_effect
 from hst_drive.errors import InputError
+from hst_drive.model.circuit_model import part_model, refuse_placeless
 from hst_drive.report import markup
 from hst_drive.report.terminal import table
+from hst_drive.rig import Rig
 
 _WIDTH = 96
 _HEADER = ('id', 'enters', 'what it is')
 _COLUMNS = ('parameter', 'unit', 'low', 'high', 'typical', 'what it is')
 
 
-def chosen(identity: str | None = None) -> dict[str, Effect]:
+def chosen(identity: str | None = None, rig: Rig | None = None) -> dict[str, Effect]:
     """
-    Return the whole catalogue, or one effect of it.
+    Return the whole catalogue, or one effect of it; with a rig what has a place in its circuit.
 
     Raises
     ------
     InputError
-        If there is no such effect.
+        If there is no such effect, or it has no place there.
 
     """
     effects = catalogue()
-    if identity is None:
-        return effects
-    if identity not in effects:
-        raise InputError(unknown_effect(identity))
-    return {identity: effects[identity]}
+    if identity is not None:
+        if identity not in effects:
+            raise InputError(unknown_effect(identity))
+        effects = {identity: effects[identity]}
+    if rig is not None:
+        model = part_model(rig)
+        if identity is not None:
+            refuse_placeless(model, effects)
+        effects = {name: effect for name, effect in effects.items() if model.enters(name)}
+    return effects
 
 
 def text(effects: dict[str, Effect], identity: str | None = None) -> str:

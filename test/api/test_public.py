@@ -14,6 +14,7 @@ import hst_drive as hd
 from hst_drive import api
 from hst_drive.cli import main
 from hst_drive.effects import register
+from hst_drive.rig import default_rig_file
 import numpy as np
 import pytest
 
@@ -83,6 +84,25 @@ def test_same_as_the_command_line(log, tmp_path, capsys, monkeypatch):
     assert main(['effects', 'motor_leakage', '--json', 'e.json']) == 0
     assert capsys.readouterr().out.strip() == str(hd.effects('motor_leakage')).strip()
     assert json.loads(Path('e.json').read_text()) == hd.effects('motor_leakage').to_json()
+
+
+@pytest.mark.parametrize('circuit, there, elsewhere', [
+    ('test', ('prv_cracking', 'back_pressure', 'pump_lag'), ('valve_lag', 'cross_port_leakage')),
+    ('closed', ('charge_pressure_loss', 'cross_port_leakage', 'pump_lag'),
+     ('valve_lag', 'prv_cracking')),
+    ('valve', ('valve_lag', 'cross_port_leakage', 'back_pressure'),
+     ('pump_lag', 'charge_pressure_loss'))])
+def test_effects_of_a_circuit(circuit, there, elsewhere, capsys):
+    """Listed are those that a rig's circuit has a place for; another one is refused."""
+    path = str(default_rig_file().with_name(f'{circuit}_rig.yaml'))
+    listed = hd.effects(rig=path)
+    assert {*there, 'motor_leakage'} <= {*listed.ids} < {*hd.effects().ids}
+    assert not {*elsewhere} & {*listed.ids}
+    assert main(['effects', '--rig', path]) == 0
+    assert capsys.readouterr().out.strip() == str(listed).strip()
+    assert hd.effects(there[0], rig=path).ids == there[:1]
+    with pytest.raises(hd.InputError, match="has no place in 'circuit: "):
+        hd.effects(elsewhere[0], rig=path)
 
 
 class Frame(HTMLParser):
