@@ -12,7 +12,7 @@ where the evidence is for the free one the name is wrong (``better``).
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Container, Iterator, NamedTuple, Sequence
+from typing import Collection, Container, Iterator, NamedTuple, Sequence
 
 from hst_drive.diagnose.free_forms import (
     as_unknown, better, fitted_forms, FreeForm, how_much_better, Trial)
@@ -112,7 +112,7 @@ def _of_warmth(search: Search, best: Candidate,
 
 
 def unlisted_addition(search: Search, best: Candidate,
-                      left: Container[str]) -> tuple[Candidate, Unlisted | None]:
+                      left: Collection[str]) -> tuple[Candidate, Unlisted | None]:
     """
     Return a set, and what fits better beside it and is not listed; None if nothing does.
 
@@ -139,14 +139,15 @@ def _best(search: Search, best: Candidate, trials: Sequence[Trial], left: Contai
                  if better(search, best, trial.fit, search.campaign, left, simpler)), None)
 
 
-def _additions(search: Search, best: Candidate, left: Container[str]) -> Iterator[Trial]:
+def _additions(search: Search, best: Candidate, left: Collection[str]) -> Iterator[Trial]:
     yield _timed(search, best.fit, ONE_WAY_SLOWER)
     if left:
         # A dead time of a few milliseconds may be the logger's.
         yield _timed(search, best.fit, DEAD_TIME)
+        fitted = {column.signal for column in search.campaign.columns if len(column.fit)}
         # The torque's reading goes into the replay: late, it spoils the other signals.
         for name in LATE_READINGS:
-            if name in left or name in _torques(search.campaign):
+            if name in fitted & {*left, *_torques(search.campaign)}:
                 yield from (_timed(search, best.fit, timing) for timing in reads_late(name))
     turned = once_a_turn(search.campaign, best.fit, _of_the_load(search.campaign, best.fit))
     # The unit's own Jacobian will do: a load moves the unit's factors little, and this is asked

@@ -225,13 +225,14 @@ def _aligned(run: Run, drive: Drive | PartModel, count: Judged) -> _Aligned:
         return first
     measured = {name: np.where(count.samples, run[name], np.nan) for name in first.model
                 if np.isfinite(first.model[name])[count.samples & np.isfinite(run[name])].any()}
-    power = []
+
+    def power(entry: _Aligned) -> float:
+        return sum(float(np.nanmean((entry.model[name] - measured[name])**2))
+                   / entry.floor[name]**2 for name in measured)
+
     for _ in range(4):
-        model, floor = {name: last.model[name] for name in measured}, last.floor
-        power.append(sum(float(np.nanmean((model[name] - measured[name])**2)) / floor[name]**2
-                         for name in model))
-        found = _common({name: _delay(run.time, model[name], measured[name], floor[name])
-                         for name in model})
+        found = _common({name: _delay(run.time, last.model[name], measured[name],
+                                      last.floor[name]) for name in measured})
         if abs(found) < 0.3 * run.sample_time:
             break
         total = last.shift + found
@@ -241,7 +242,7 @@ def _aligned(run: Run, drive: Drive | PartModel, count: Judged) -> _Aligned:
             name: values[earlier] if CHANNELS[name].hold == 'zero' else values
             for name, values in run.channels.items()}), drive, count, total)
     # Missing physics looks like a delay, too, but a delay does not mend that.
-    return last if power[-1] < _MENDED * power[0] else first
+    return last if power(last) < _MENDED * power(first) else first
 
 
 def _replayed(run: Run, drive: Drive | PartModel, count: Judged, shift: float) -> _Aligned:

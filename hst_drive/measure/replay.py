@@ -94,7 +94,8 @@ class Replay(RecordedLoad):
         self.torque = next((name for name in TORQUES[::-1] if name in run), None)
         self._creeping = drive.rig.creeping
         self._smoothed: tuple[np.ndarray, np.ndarray] | None = None
-        self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] | None = None
+        self._early: list[tuple[np.ndarray, dict[str, np.ndarray]]] = []
+        self._early_of: tuple = b'', None     # of which drive, and which inputs
         self._predicted: tuple[tuple, tuple, dict[str, np.ndarray]] | None = None
         self._beginning = Beginning.of(
             time, {name: filled(run[name]) for name in self.signals}, self.inputs['pump_command'])
@@ -237,8 +238,10 @@ class Replay(RecordedLoad):
 
     def half_a_row_early(self, drive: Drive) -> list[tuple[np.ndarray, dict[str, np.ndarray]]]:
         """Return rows behind which each command steps, and what moves if it does so earlier."""
-        if self._early is None:
+        key, inputs = self._early_of
+        if key != drive.key() or inputs is not self.inputs:
             self._early, base = [], self.predict(drive)
+            self._early_of = drive.key(), self.inputs
             for name, steps in self.steps.items():
                 command, starts = self.inputs[name], steps.starts(self.run.sample_time)
                 moved = self.predict(drive, commands={

@@ -201,6 +201,22 @@ def test_sensor_whose_clock_is_off_is_told_with_how_late_it_reads(signal, late):
 
 
 @pytest.mark.needs_numba
+@pytest.mark.filterwarnings('error::RuntimeWarning')
+def test_a_sensor_that_only_a_log_to_judge_on_has_is_not_tried():
+    made = make_campaign(43)
+    rig, runs, held = as_runs(made)
+    for run in runs:
+        del run.channels['motor_inlet_flow']
+    for run in held:
+        run['motor_inlet_flow'][:] = np.roll(run['motor_inlet_flow'], 20)
+    search = Search(Campaign(rig, runs, held), ())
+    left = search.unexplained(search.baseline)
+    assert 'motor_inlet_flow' in left
+    unlisted_addition(search, search.baseline, left)
+    assert all(np.isfinite(search.score(trial)) for _, trial in search.unlisted)
+
+
+@pytest.mark.needs_numba
 def test_a_fit_that_had_stopped_too_early_is_no_sign_of_something_unlisted():
     """What a trial fits better of the unit and the effect, the set has as well."""
     made = make_campaign(43, {'prv_cracking': 1.0}, rate_hz=50.0)

@@ -243,3 +243,17 @@ def test_a_reading_at_the_end_of_its_range_shows_no_noise():
     stated = RIG.sensors['pump_outlet_pressure'].noise_std
     assert Replay(clipped, Drive(RIG)).noise['pump_outlet_pressure'] == pytest.approx(
         stated, rel=0.2)
+
+
+@pytest.mark.needs_numba
+def test_what_earlier_steps_do_is_that_of_the_drive_that_is_asked():
+    """A plate that follows ten times as slowly moves less in half a row."""
+    replay = Replay(record(20), Drive(RIG))
+
+    def moves(effects):
+        early = replay.half_a_row_early(Drive(RIG, effects))
+        return [float(np.abs(moved['motor_inlet_flow']).max()) for _, moved in early][0]
+
+    usual = moves({})
+    assert moves({'pump_lag': {'time_constant': 1.0}}) < 0.5 * usual
+    assert moves({}) == usual > 0.0
