@@ -122,6 +122,21 @@ def test_a_real_axis(lever):
 
 
 @pytest.mark.skipif(not REAL.exists(), reason='the real recordings are not there')
+@pytest.mark.parametrize('part, of', [(0, 2), (1, 2), (0, 3), (1, 3), (2, 3)])
+def test_any_section_of_a_real_axis_has_the_same_friction(part, of):
+    """Half of them is too short to tell the offset as well."""
+    table = np.genfromtxt(REAL / 'emps_axis' / 'emps_axis.csv', delimiter=',', skip_header=1)
+    rows = slice(part * len(table) // of, (part + 1) * len(table) // of, 2)
+    found = on_a_lever(*table[rows, :][:, [0, 2, 4]].T, 95.1089, 0.1)
+    values = {key: value.value / 0.1**(2 if key == 'coefficient' else 1)
+              for entry in found.effects for key, value in entry.parameters.items()}
+    assert found.verdict in ('missing_effect', 'ambiguous')
+    assert {'bearing_friction', 'viscous_drag'} <= {entry.id for entry in found.effects}
+    for key in ('coulomb', 'coefficient'):
+        assert values[key] == pytest.approx(PUBLISHED[key], rel=0.1)
+
+
+@pytest.mark.skipif(not REAL.exists(), reason='the real recordings are not there')
 @pytest.mark.parametrize('least', [-1e9, 3e5])
 def test_a_real_motor_with_both_ports(least):
     run = read_log(str(REAL / 'mbari_motor' / 'vented_spring.csv'))
