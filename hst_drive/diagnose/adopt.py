@@ -11,7 +11,7 @@ from hst_drive.diagnose.result import require_schema
 from hst_drive.effects import catalogue, effect_of
 from hst_drive.effects.formula import FORMULAS
 from hst_drive.errors import InputError
-from hst_drive.rig.adopted import with_delays
+from hst_drive.rig.adopted import with_delays, with_inertia
 from hst_drive.rig.fingerprint import SECTION
 from hst_drive.rig.identity import digest
 from hst_drive.rig.schema import TOLERANCES
@@ -89,8 +89,8 @@ def adopt(rig: dict, diagnosis: dict, source: str, rig_source: str, *,
         raise InputError(f'{rig_source}: is not the rig that was diagnosed '
                          f"({diagnosis.get('rig')}); give that one with --rig, or diagnose again "
                          'with this one')
-    adopted = with_delays(deepcopy(rig), _numbers(
-        diagnosis, source, 'sensor_delays', 'channel', 'value'))
+    adopted = with_inertia(with_delays(deepcopy(rig), _numbers(
+        diagnosis, source, 'sensor_delays', 'channel', 'value')), _inertia(diagnosis, source))
     found = {name: _values(entry, source) for name, entry in zip(names, effects)}
     gone = {name for name, entry in zip(names, effects) if entry.get('change') == 'gone'}
     adopted['effects'] = {name: values for name, values
@@ -179,6 +179,15 @@ def _numbers(diagnosis: dict, source: str, where: str, what: str, number: str) -
     except (KeyError, TypeError, ValueError):
         raise InputError(f"{source}: key '{where}' is no list with '{what}' and "
                          f"'{number}' in each entry; write the diagnosis again") from None
+
+
+def _inertia(diagnosis: dict, source: str) -> float:
+    """Return the inertia that a diagnosis found, kg.m^2; 0 if it found none."""
+    try:
+        return float((diagnosis.get('inertia') or {'value': 0.0})['value'])
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"{source}: key 'inertia' has no number as its 'value'; write the "
+                         'diagnosis again') from None
 
 
 def _known_factors(factors: object, source: str, where: str) -> dict[str, float]:

@@ -11,12 +11,15 @@ from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.identify.campaign import Campaign
-from hst_drive.identify.evidence import CREDIBLE, DECIDED
+from hst_drive.identify.evidence import CREDIBLE, DECIDED, USUAL
 from hst_drive.identify.fit import limited
+from hst_drive.identify.model import Model
 from hst_drive.identify.observable import Visibility, visibility
-from hst_drive.identify.search import Candidate, Search
+from hst_drive.identify.search import Candidate, MOST_EFFECTS, Search
 from hst_drive.identify.standing import standing
 from hst_drive.identify.weigh import log_odds, log_odds_of
+
+_ASKED = 12     # effects that may take the unit off its limits
 
 
 def searched(campaign: Campaign, progress: Callable[[str], None]) -> tuple[
@@ -78,31 +81,33 @@ def _most_of_it(search: Search, best: Candidate, other: Campaign, full: Candidat
 
 def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
     """
-    Return an effect that stands where nothing was found and the unit is at limits.
+    Return a set with one effect more, which stands where the unit is at limits without it.
 
     It is likelier, takes the unit off one and leaves nothing; None if there is none.
     """
-    if best.names or not limited(search.campaign, best.fit) or not search.candidates:
+    more = search.extend(best, most=_ASKED) if limited(search.campaign, best.fit) and (
+        len(best.names) < MOST_EFFECTS) else []
+    if not more:
         return None
-    (top, *_), _ = search.likeliest(best, search.singles())
+    (top, *_), _ = search.likeliest(best, more)
     top = search.refine(top)
-    stands = _relieves(search, top) and not search.unexplained(top) and (
+    stands = _relieves(search, top, best) and not search.unexplained(top) and (
         search.odds(best, [top])[0] > log(DECIDED) and standing(search, top).names == top.names)
     return top if stands else None
 
 
-def _relieves(search: Search, found: Candidate) -> bool:
-    """Say whether a set takes the unit off one of the limits at which it is without."""
-    return {*limited(search.campaign, found.fit)} < {*limited(search.campaign, search.base)}
+def _relieves(search: Search, found: Candidate, without: Candidate) -> bool:
+    """Say whether a set takes the unit off one of the limits at which it is in another."""
+    return {*limited(search.campaign, found.fit)} < {*limited(search.campaign, without.fit)}
 
 
 def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-              of_unit: bool = False) -> Candidate:
+              alone: Candidate | None = None) -> Candidate:
     """
     Return the likeliest of ``best`` and the sets with a rival in the place of an effect.
 
     Where the rival does not stand, what is left of several effects is likelier than ``best``.
-    ``of_unit``: of those that take the unit off a limit, as ``best`` does.
+    Of those that take the unit off a limit at which it is ``alone``, as ``best`` does.
     """
     wanted = exchanged(best, rivals)
     if not wanted:
@@ -112,24 +117,32 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     # Of what evidence hardly tells apart (Kass and Raftery) the plainest.
     first, _ = min(((entry, value) for entry, value in zip(sets, odds)
                     if value >= odds.max() - log(DECIDED)),
-                   key=lambda item: (_plainness(search, item[0].names), -item[1]))
+                   key=lambda item: (_plainness(search, item[0]), -item[1]))
     if first is best:
         return best
     found = standing(search, first)
     of_several = found.names and {*found.names} < {*best.names}
     stands = (found.names in wanted or of_several) and not search.unexplained(found) and (
-        not of_unit or _relieves(search, found))
+        alone is None or _relieves(search, found, alone))
     return found if stands else best
 
 
-def _plainness(search: Search, names: Sequence[str]) -> tuple[int, int, int]:
+def _plainness(search: Search, entry: Candidate) -> tuple[int, int, int, int]:
     """
-    Return how many effects the machine is not known to have, are special, and all parameters.
+    Return how many effects the machine is not known to have, are special, and unusually large.
 
-    Special ones need a drive that turns both ways to show, or are one form of another effect.
-    Parameters that tell the oil count for no effect: the machine's oil sets them.
+    Then how many parameters they have: those that tell the oil count for no effect, since the
+    machine's oil sets them. Special ones need a drive that turns both ways to show, or are one
+    form of another effect.
     """
-    effects = [catalogue()[name] for name in names]
-    return (len({*names} - {*search.campaign.faults}),
-            sum(effect.both_ways or bool(effect.form_of) for effect in effects),
+    names = {*entry.names} - {*search.campaign.faults}
+    effects = [catalogue()[name] for name in entry.names]
+    return (len(names), sum(effect.both_ways or bool(effect.form_of) for effect in effects),
+            sum(_unusual(search.campaign, entry.fit.model, name) for name in names),
             sum(len(effect.own) for effect in effects))
+
+
+def _unusual(campaign: Campaign, model: Model, name: str) -> bool:
+    """Say whether an effect is larger than half of all that there are."""
+    size = campaign.parameter(name, catalogue()[name].size.name)
+    return abs(model.effects[name][size.name] - size.neutral) > USUAL * abs(size.typical)

@@ -30,7 +30,7 @@ from hst_drive.identify.unknowns import SIGMAS
 from hst_drive.identify.zeros import LATE
 from hst_drive.measure.run import Run
 from hst_drive.rig import parse_rig, Rig
-from hst_drive.rig.adopted import with_delays
+from hst_drive.rig.adopted import with_delays, with_inertia
 from hst_drive.rig.fingerprint import entry_of, OIL_LAW_SIGMA, SECTION, STARTS, ZEROS
 from hst_drive.rig.schema import DOUBTED, LOSSES, WAVES
 from hst_drive.units import from_si
@@ -138,8 +138,9 @@ def commission(rig: dict, source: str, runs: Sequence[Run], day_to_day: float | 
                              f'{(first if law else found).sentence} Mend or adopt that first, or '
                              'leave the log out')
         # What was asked for to find nothing missing is this machine's, and its logger's.
-        if found.delays:
-            rig = with_delays(rig, {entry.channel: entry.value for entry in found.delays})
+        if found.delays or found.inertia:
+            rig = with_inertia(with_delays(rig, {
+                entry.channel: entry.value for entry in found.delays}), found.inertia)
             made, within = _of_make(rig, source)
         curve |= {entry.quantity: entry.factor for entry in found.calibration
                   if entry.quantity in DOUBTED}

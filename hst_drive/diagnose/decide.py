@@ -14,7 +14,7 @@ from hst_drive.diagnose.choose import (
 from hst_drive.diagnose.result import (
     Diagnosis, Found, NextTest, Ranked, Step, UNIT_ALONE, Unknown, Value)
 from hst_drive.diagnose.sentence import (
-    beyond, less, limits, listed, nearly, sentence, times)
+    beyond, less, limits, listed, nearly, sentence, taken, times)
 from hst_drive.diagnose.unit import at_limits, calibration, sensors
 from hst_drive.diagnose.unknown import describe
 from hst_drive.diagnose.unlisted import Unlisted, unlisted_addition, unlisted_replacement
@@ -33,6 +33,7 @@ from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import (
     alternatives, forms, RIVALS_TRIED, standing, without)
 from hst_drive.identify.weigh import log_odds, weigh
+from hst_drive.measure.inertia import found_inertia, INERTIA, with_found_inertia
 from hst_drive.measure.plausibility import drifts, refuse_wrong_units
 from hst_drive.measure.run import Run
 from hst_drive.measure.useful import refuse_unjudged, refuse_useless
@@ -69,7 +70,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     refuse_wrong_units(rig, logs)
     drifting = drifts(rig, logs)
     progress('calibrating the unit')
-    campaign = campaign_of(rig, runs, holdout)
+    campaign = campaign_of(with_found_inertia(rig, logs), runs, holdout)
     sheet = fit(campaign, Model(), iterations=0)
     if not campaign.ratios(sheet.errors, True):
         _refuse_short(campaign, logs)
@@ -92,20 +93,22 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     odd, several = _unlike(campaign, logs) if left and not drifting else ('', '')
     strained = at_limits(campaign, best.fit)
     beside = None if unsure else instead_of_the_unit(search, best)
-    or_none, best = beside is not None, beside or best
+    alone, best = best if beside else None, beside or best
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
-    first = best if unsure else likeliest(search, best, rivals, or_none)
+    first = best if unsure else likeliest(search, best, rivals, alone)
     if first is not best:
         best, order = first, _order(search, first)
         rivals = {name: alternatives(search, best, name) for name in order}
-    if or_none:
-        rivals = {name: (*group, UNIT_ALONE) for name, group in rivals.items()}
+    if alone:
+        rivals = {name: group if name in alone.names else (*group, UNIT_ALONE)
+                  for name, group in rivals.items()}
     campaign = search.campaign      # its recordings may have been turned again
     ladder, ranking = _ladder(search, best, order, sheet), _ranking(search)
     effects = _found(search, best, order, rivals, ladder)
     ambiguous = any(rivals.values())
     unseen = outside(rig, logs)
+    inertia = found_inertia(rig, campaign.rig, best.fit.model.scales)
     explained = {*best.names, *sum(rivals.values(), ())}
     hidden = {entry.id: entry.reason for entry in seen if entry.reason
               and entry.id not in explained}
@@ -122,20 +125,21 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
                     campaign.commissioned_unit, tuple(campaign.faults)).strip()
     return Diagnosis(
         verdict=verdict, sentence=' '.join(filter(None, [
-            *mend, odd, said, '' if or_none else nearly(given, named), several,
-            '' if or_none else limits(verdict, strained, campaign.commissioned_unit),
+            *mend, odd, said, '' if alone else nearly(given, named), several,
+            '' if alone else limits(verdict, strained, campaign.commissioned_unit),
             *(f'{" and ".join(name for name, entry in better.items() if entry.told == told)} '
               f'{told}.' for told in dict.fromkeys(entry.told for entry in better.values())),
             *([f'{more.told[0].upper()}{more.told[1:]}.'] if more else []),
-            beyond(unseen, verdict != 'none' and oil_untold(rig, logs), power)])),
+            beyond(unseen, verdict != 'none' and oil_untold(rig, logs), power),
+            taken(inertia)])),
         effects=effects, ranking=ranking, ladder=ladder, not_observable=hidden,
         smallest={entry.id: entry.smallest for entry in seen if not entry.reason
                   and entry.id not in explained},
-        calibration=calibration(campaign, best.fit),
+        calibration=calibration(campaign, best.fit, {INERTIA} if inertia else ()),
         zeros=sensors(campaign, best.fit.model.zeros),
-        delays=sensors(campaign, best.fit.model.delays),
+        delays=sensors(campaign, best.fit.model.delays), inertia=inertia,
         probability=given, unknown=remaining,
-        next_test=_measure(search, best, strained) if or_none else
+        next_test=_measure(best, alone, strained) if alone else
         _next_test(search, best, rivals) if ambiguous else None,
         rivals={**_why_lost(search, best, rivals, ranking, ladder[-1].holdout),
                 **{name: entry.told for name, entry in better.items()}},
@@ -278,12 +282,12 @@ def _why_lost(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]
     return told
 
 
-def _measure(search: Search, best: Candidate, strained: Sequence[str]) -> NextTest:
+def _measure(best: Candidate, alone: Candidate, strained: Sequence[str]) -> NextTest:
     """Return what separates an effect from a unit at its limits: a datasheet that is sharper."""
-    return NextTest((*best.names, UNIT_ALONE),
+    return NextTest((*(name for name in best.names if name not in alone.names), UNIT_ALONE),
                     f'measure {listed(strained)} of this unit by itself and write the number and '
                     'how well it is known into the rig file; or record it when it was healthy',
-                    tuple(dict(entry.fit.model.effects) for entry in (best, search.baseline)))
+                    tuple(dict(entry.fit.model.effects) for entry in (best, alone)))
 
 
 def _next_test(search: Search, best: Candidate, rivals: dict[str, tuple[str, ...]]) -> NextTest:

@@ -195,6 +195,8 @@ class Diagnosis:
         The recordings that it was commissioned on, if it was.
     delays : tuple of Zero
         How late its sensors read.
+    inertia : float
+        That of the hydromotor's shaft, kg.m^2, where the rig file gives none and logs told; or 0.
 
     """
 
@@ -218,6 +220,7 @@ class Diagnosis:
     outside: tuple[Outside, ...] = ()
     since: tuple[str, ...] = ()
     delays: tuple[Zero, ...] = ()
+    inertia: float = 0.0
 
 
 def require_schema(content: object, source: str) -> None:
@@ -251,6 +254,7 @@ def as_json(result: Diagnosis) -> dict:
         'calibration': result.calibration,
         'sensor_zeros': result.zeros,
         'sensor_delays': result.delays,
+        'inertia': {'value': result.inertia, 'unit': 'kg.m^2'} if result.inertia else None,
         'rivals': result.rivals,
         'probability': {
             'none': found.none, 'unknown': found.unknown,

@@ -42,22 +42,23 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     if not signal:
         return 'There is nothing to judge.'
     title = CHANNELS[signal].title
-    lacks = ('; and ' if any(entry.indistinguishable_from for entry in effects) else ' and ').join(
+    unit = [entry for entry in effects if UNIT_ALONE in entry.indistinguishable_from]
+    sure = [entry for entry in effects if entry not in unit]
+    lacks = ('; and ' if any(entry.indistinguishable_from for entry in sure) else ' and ').join(
         f'{entry.id} ({catalogue()[entry.id].title})' + (
             f", or {' or '.join(entry.indistinguishable_from)} in its place (which these logs do "
             'not rule out)' if entry.indistinguishable_from else '')
-        for entry in effects if not entry.change)
-    changed = ' '.join(_changed(entry) for entry in effects if entry.change)
+        for entry in sure if not entry.change)
+    changed = ' '.join(_changed(entry) for entry in sure if entry.change)
     falls = (f'Held-out error of {title} falls from {times(first[signal])} to '
              f'{times(last[signal])} times the noise.')
     if verdict == 'none':
         return _nothing(first, signal, hidden, commissioned, adopted)
-    if any(UNIT_ALONE in entry.indistinguishable_from for entry in effects):
-        return _or_the_unit(effects[0], limited, commissioned)
     if verdict in ('missing_effect', 'ambiguous'):
         new = '' if not lacks else f'Since it was commissioned the machine has got {lacks}.' \
             if commissioned else f'The model lacks {lacks}.'
-        return ' '.join(filter(None, [changed, new, f'{falls}{_stays(last)}']))
+        end = _or_the_unit(unit[0], limited, commissioned) if unit else f'{falls}{_stays(last)}'
+        return ' '.join(filter(None, [changed, new, end]))
     place = ''
     if remaining:
         on = f', depending on {", ".join(remaining.depends_on)}' if remaining.depends_on else ''
@@ -163,6 +164,12 @@ def beyond(unseen: Sequence[Outside], untold: bool, power: float | None) -> str:
         said.append(f'Its leakages follow the viscosity of the oil by the power {power:.2f}. No '
                     'log from which it was commissioned had told: add these to them.')
     return ' '.join(said)
+
+
+def taken(inertia: float) -> str:
+    """Tell the inertia (kg.m^2) that was taken since the rig file gives none; '' if none was."""
+    return inertia and (f'The rig file gives no inertia: {inertia:.2g} kg.m^2 was found in these '
+                        'logs, and adopt writes it there.') or ''
 
 
 def limits(verdict: str, quantities: Sequence[str], commissioned: bool = False) -> str:

@@ -3,7 +3,7 @@
 """How a unit, and its sensors, are off their datasheets: what a fit says of that, for people."""
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Container, Mapping
 
 from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.result import Calibrated, Zero
@@ -19,12 +19,14 @@ def at_limits(campaign: Campaign, fitted: Fit) -> list[str]:
             for key in limited(campaign, fitted)]
 
 
-def calibration(campaign: Campaign, fitted: Fit) -> tuple[Calibrated, ...]:
-    """Return the quantities, the furthest off in their tolerances first."""
+def calibration(campaign: Campaign, fitted: Fit,
+                but: Container[str] = ()) -> tuple[Calibrated, ...]:
+    """Return the quantities but for some, the furthest off in their tolerances first."""
     return tuple(sorted(
         (Calibrated(key, campaign.expected.get(key, 1.0) * fitted.model.scales[key],
                     value / campaign.tolerances[key], at_limit(campaign, key, value))
-         for key, value in fitted.model.factors.items()), key=lambda item: -abs(item.sigmas)))
+         for key, value in fitted.model.factors.items() if key not in but),
+        key=lambda item: -abs(item.sigmas)))
 
 
 def sensors(campaign: Campaign, found: Mapping[str, float]) -> tuple[Zero, ...]:

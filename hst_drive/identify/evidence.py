@@ -33,7 +33,7 @@ BASELINE = 0.2     # floors, by which the datasheet's curves are off between the
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
 _UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
-_USUAL = 3.0        # typical sizes, within which half of all effects lie
+USUAL = 3.0         # typical sizes, within which half of all effects lie
 DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass and Raftery)
 # Log odds from which on an effect is named, and a rival is told no more; and a first effect
 # against a machine's own past, which is off its formulas as the new logs are (Kass and Raftery).
@@ -166,7 +166,7 @@ def range_of(size: float, both_ways: bool) -> float:
     That is a Cauchy's, or half of one: an effect is of a few typical sizes, and may be of many.
     Bounds of what is plausible would make one effect less probable than its look-alike.
     """
-    return float(np.pi * _USUAL * (1.0 + (size / _USUAL)**2)) * (1.0 if both_ways else 0.5)
+    return float(np.pi * USUAL * (1.0 + (size / USUAL)**2)) * (1.0 if both_ways else 0.5)
 
 
 def laplace(information: np.ndarray, normal: np.ndarray, ranges: np.ndarray,

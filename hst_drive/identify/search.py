@@ -227,15 +227,16 @@ class Search:
         found = self.try_all([((name,), self.base) for name in self.candidates], 'fitting effects')
         return sorted(found, key=lambda item: item.score)
 
-    def extend(self, candidate: Candidate, least: float = 0.0) -> list[Candidate]:
+    def extend(self, candidate: Candidate, least: float = 0.0,
+               most: int = _SHORTLIST) -> list[Candidate]:
         """
         Return the candidate with one effect more, the best first.
 
-        Effects are tried that may move the signals as what is left does; ``least`` is the share
-        of its square that such a move must take away.
+        At ``most`` so many effects are tried that may move the signals as what is left does;
+        ``least`` is the share of its square that such a move must take away.
         """
         candidate = self.whole(candidate)
-        likely = sorted(score_test(self, candidate), reverse=True)[:_SHORTLIST]
+        likely = sorted(score_test(self, candidate), reverse=True)[:most]
         found = self.try_all([((*candidate.names, name), candidate.fit)
                               for share, name in likely if share >= least],
                              f'fitting {len(candidate.names) + 1} effects together')
