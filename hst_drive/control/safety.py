@@ -181,7 +181,7 @@ class Supervisor:
 
     def inherit(self, before: Supervisor) -> None:
         """Go on with the stop that an earlier supervisor of the same drive was in."""
-        self._pressed, self.held = before._pressed, before.held
+        self._pressed, self.held = before._pressed, self.held or before.held
         if before.fault and before.fault.kind != 'shutdown':
             self.fault = before.fault
 

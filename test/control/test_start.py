@@ -121,6 +121,17 @@ def test_to_be_held_goes_over_to_the_next_supervisor():
     assert after.state == 'ready'
 
 
+def test_who_is_to_wait_for_a_start_does_so_after_a_drive_that_ran_as_well():
+    """A manager asks that of a controller which somebody has cleaned up while it ran."""
+    before = Supervisor(SafetySettings())
+    assert not before.held
+    after = Supervisor(SafetySettings(wait_for_start=True))
+    after.inherit(before)
+    after.wish(1.3, 5.0)
+    after.feedback(1.3, 1.3, 0.0)
+    assert after.state == 'ready'
+
+
 def test_it_may_wait_for_a_start_from_the_beginning_on():
     def new(**more):
         watch = Supervisor(SafetySettings(wait_for_start=True, bad_readings=1, **more))
