@@ -68,7 +68,7 @@ class Plant(DriveNode):
         self.taken = wiring.recorded(self.partners, settings['extra_topics'], settings['truth'],
                                      settings['circuit'])
         self._period = round(BILLION / settings['rate'])
-        self._steps = (round(settings['duration'] * BILLION / self._period) or None
+        self._steps = (max(round(settings['duration'] * BILLION / self._period), 1)
                        if settings['duration'] else None)
         self._takes = self._drive.takes     # input of the drive by topic
         self._inputs = {**dict.fromkeys(self._takes.values(), 0.0),

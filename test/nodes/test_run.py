@@ -162,6 +162,14 @@ def test_a_jump_of_the_set_point_is_no_excursion():
     assert found['worst_at'] == 3.0 and abs(found['worst_error'] - 0.7) < 0.01
 
 
+def test_a_run_shorter_than_half_a_sample_time_is_one_sample(tmp_path):
+    code, _, err = run('run', 'paper_step', '-o', str(tmp_path / 'bag'), '--duration', '0.4',
+                       '--rate', '1', patience=30.0)
+    assert code == 0, err
+    with Reader(tmp_path / 'bag') as reader:
+        assert reader.topics['/drive/motor'].msgcount == 1
+
+
 @pytest.mark.parametrize('home', [None, '/proc/nowhere'])
 def test_a_run_needs_no_home(home, tmp_path, monkeypatch):
     for name in ('ROS_LOG_DIR', 'ROS_HOME', 'HOME'):
