@@ -120,7 +120,7 @@ class _Handler(BaseHTTPRequestHandler):
         kind = self.headers.get('Content-Type', '').partition(';')[0].strip()
         length = self.headers.get('Content-Length', '')
         content = None
-        if kind == 'application/json' and length.isdigit() and int(length) <= _LARGEST:
+        if kind == 'application/json' and length.isdecimal() and int(length) <= _LARGEST:
             try:
                 content = json.loads(self.rfile.read(int(length)))
             except (ValueError, RecursionError):
