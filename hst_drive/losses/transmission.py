@@ -89,7 +89,7 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
 
     """
     known = {**{name: np.full(len(lines), value) for name, value in constants.items()}, **columns}
-    _check(known, columns, headers, lines, source)
+    _check(known, headers, lines, source)
     pump, motor = known.get('pump_displacement'), known.get('motor_displacement')
     pump, motor = motor if pump is None else pump, pump if motor is None else motor
     ideal = known['pump_speed'] * (1.0 if motor is None else pump / motor)
@@ -125,19 +125,20 @@ def transmissions(columns: Mapping[str, np.ndarray], headers: Mapping[str, str],
         _not_determinable(known, flow is None))
 
 
-def _check(known: Mapping[str, np.ndarray], columns: Mapping[str, np.ndarray],
-           headers: Mapping[str, str], lines: np.ndarray, source: str) -> None:
+def _check(known: Mapping[str, np.ndarray], headers: Mapping[str, str], lines: np.ndarray,
+           source: str) -> None:
     """Raise InputError if a speed is missing or a number cannot be."""
     for name in ('pump_speed', 'motor_speed'):
         if name not in known:
             raise InputError(f'{source}: column {name}[rpm] is missing; a table of transmissions '
                              'needs pump_speed and motor_speed; name them in --channels MAP.yaml')
-    for name, values in columns.items():
+    for name, values in known.items():
         bad = np.flatnonzero(np.isinf(values) | (values <= 0))
         if len(bad):
-            raise InputError(f'{source}: row {lines[bad[0]]}, column {headers[name]!r}: found '
-                             f'{values[bad[0]]:.6g} (SI), expected a positive number; mend it or '
-                             'empty the cell')
+            place, mend = ((f'row {lines[bad[0]]}, column {headers[name]!r}', 'empty the cell')
+                           if name in headers else (f'constants.{name}', 'leave it out'))
+            raise InputError(f'{source}: {place}: found {values[bad[0]]:.6g} (SI), expected a '
+                             f'positive number; mend it or {mend}')
 
 
 def _scatter(share: np.ndarray, reverse: np.ndarray) -> tuple[float | None, float | None]:

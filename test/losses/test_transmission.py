@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transmissions at one test point: made-up ones, and the 400 real ones."""
 from hst_drive.bag.bench_table import read_points
+from hst_drive.errors import InputError
 from hst_drive.losses.transmission import transmissions
 from hst_drive.resources import share
 import numpy as np
@@ -47,6 +48,15 @@ def test_one_displacement_stands_for_both(given):
     assert found.leakage.median == pytest.approx(3e-4)
     assert found.speed_error_over_measured == pytest.approx(100.0 / 90.0 - 1.0)
     assert found.speed_error_over_loss_free == pytest.approx(1.0 - 90.0 / 100.0)
+
+
+@pytest.mark.parametrize('name, value', [
+    ('motor_displacement', 0.0), ('supply_pressure', 0.0), ('supply_pressure', -5e5)])
+def test_a_constant_that_cannot_be_is_refused_like_a_cell(name, value):
+    columns = {'pump_speed': np.full(8, 100.0), 'motor_speed': np.full(8, 90.0)}
+    with pytest.raises(InputError, match=f'constants.{name}: found {value:.6g} '):
+        transmissions(columns, {name: name for name in columns}, np.arange(8),
+                      {'pump_displacement': 3e-5, name: value}, 'made.csv')
 
 
 def test_a_wrong_digit_is_named_by_its_row():
