@@ -70,7 +70,7 @@ def execute(plan: Plan, on_progress: Callable[[float, float, bool], None],
 
 
 def _hear(progress: dict, name: str, line: str) -> None:
-    word, *numbers = line.split()
+    word, *numbers = line.split() or ['']
     if name == 'plant' and word == 'progress':
         progress['time'], progress['wall'] = map(float, numbers[:2])
         progress['end'] = numbers[2:] == ['end']

@@ -8,6 +8,7 @@ import sys
 
 from hst_drive.bag import read_log
 from hst_drive.measure.run import Run
+from hst_drive.nodes import runner
 from hst_drive.nodes.runner import speed_held
 import numpy as np
 import pytest
@@ -150,6 +151,14 @@ def test_wrong_input_is_refused_before_anything_starts(arguments, words, tmp_pat
     assert len(err.strip().splitlines()) == 1
     assert all(word in err for word in words), err
     assert not (tmp_path / 'bag').exists()
+
+
+def test_an_empty_line_of_a_node_is_heard_like_any_other():
+    """As of an effect of somebody else's that prints: who reads the node's output must go on."""
+    progress = {'time': 0.0, 'wall': 0.0, 'end': False}
+    for line in ('', 'progress 1.50 0.250 end'):
+        runner._hear(progress, 'plant', line)
+    assert progress == {'time': 1.5, 'wall': 0.25, 'end': True}
 
 
 def test_a_jump_of_the_set_point_is_no_excursion():
