@@ -64,7 +64,7 @@ class Supervisor:
         self._bad: tuple[str, str] | None = None
         self._score = 0.0
         self._good = 0                     # good readings in a row
-        self._stamp = self._value = -math.inf
+        self._stamp = self._compared = self._value = -math.inf
         self._same_since = math.inf
         self._usable_at: float | None = None
         self._wanted_at: float | None = None
@@ -136,9 +136,10 @@ class Supervisor:
                 + ('' if clock else ': the clock stands at 0; does anybody publish /clock?'))
         if abs(value) > settings.speed_limit:
             return 'feedback_out_of_range', f'{value:.4g} rad/s, limit {settings.speed_limit:g}'
-        last = self._value
-        if abs(value - last) > settings.acceleration_limit * (stamp - before) and (
-                math.isfinite(last)):
+        # A reading that was passed over as no number in its range gives the next one its time.
+        last, passed = self._value, stamp - min(before, self._compared)
+        self._compared = stamp
+        if abs(value - last) > settings.acceleration_limit * passed and math.isfinite(last):
             if self.fault:
                 self._value = value    # so that a new level is taken in before the reset
             return 'feedback_jumps', f'from {last:.4g} to {value:.4g} rad/s'

@@ -168,6 +168,20 @@ def test_the_default_acceleration_limit():
         assert readings.give(0.0, step=0.01) and readings.give(change, step=0.01) == [usable]
 
 
+def test_readings_passed_over_give_the_next_one_their_time():
+    """The relief valve lets go at 700 rad/s^2, and two readings are lost: no jump of the third."""
+    for wrong in (math.nan, 95.0):
+        readings = Readings()
+        assert readings.give(0.0, 7.0, wrong, wrong, 28.0, step=0.01) == [
+            True, True, False, False, True]
+        assert readings.kind is None
+    readings = Readings(acceleration_limit=64.0)
+    readings.give(10.0, math.nan)
+    assert readings.give(12.125) == [False]
+    # What jumps gives the next one no time: else a second look would let it through.
+    assert readings.give(12.125) == [False] and readings.kind == 'feedback_jumps'
+
+
 def test_a_first_reading_is_no_jump_whatever_came_before_it():
     for first in (math.nan, 1e6):
         readings = Readings()
