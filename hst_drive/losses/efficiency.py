@@ -47,65 +47,6 @@ def ideal_speed(flow, displacement):
     return flow / displacement
 
 
-def slip(flow, speed, displacement):
-    """
-    Return the slip, the share of the flow that turns nothing.
-
-    Eqs. (12) and (13) of the motor-loss paper, ``S_ma = (w_mi - w_ma) / w_mi``.
-
-    Parameters
-    ----------
-    flow : float or ndarray
-        Supplied flow, m^3/s, not zero.
-    speed : float or ndarray
-        Measured speed, rad/s.
-    displacement : float
-        Displacement, m^3/rad.
-
-    Returns
-    -------
-    float or ndarray
-        Fraction of the supplied flow.
-
-    """
-    ideal = ideal_speed(flow, displacement)
-    return (ideal - speed) / ideal
-
-
-def torque_loss(pressure, load_torque, displacement):
-    """
-    Return the torque that does not reach the shaft, N m.
-
-    Eqs. (14) and (15) of the motor-loss paper, ``dT_la = T_i - T_ld`` with ``T_i = P_p D_m``.
-
-    Parameters
-    ----------
-    pressure : float or ndarray
-        Pressure across the motor, Pa.
-    load_torque : float or ndarray
-        Torque at the shaft, N m.
-    displacement : float
-        Displacement, m^3/rad.
-
-    """
-    return pressure * displacement - load_torque
-
-
-def overall_efficiency(pressure, flow, speed, load_torque):
-    """
-    Return shaft power over hydraulic power.
-
-    Eq. (11) of the motor-loss paper, ``eta_ma = T_ld w_ma / (P_p Q_s)``.
-
-    Parameters
-    ----------
-    pressure, flow, speed, load_torque : float or ndarray
-        Pa, m^3/s, rad/s, N m; pressure and flow not zero.
-
-    """
-    return load_torque * speed / (pressure * flow)
-
-
 def performance(pressure, flow, speed, load_torque, displacement) -> Performance:
     """
     Return all figures of merit of an operating point, Eqs. (11) to (15).
@@ -118,12 +59,14 @@ def performance(pressure, flow, speed, load_torque, displacement) -> Performance
         Displacement, m^3/rad.
 
     """
-    lost_flow = slip(flow, speed, displacement)
-    lost_torque = torque_loss(pressure, load_torque, displacement)
+    # Eq. (12): S_ma = (w_mi - w_ma) / w_mi; Eqs. (14), (15): dT_la = P_p D_m - T_ld.
+    ideal = ideal_speed(flow, displacement)
+    slip = (ideal - speed) / ideal
+    lost_torque = pressure * displacement - load_torque
     lost_share = lost_torque / (pressure * displacement)
-    return Performance(1.0 - lost_flow, 1.0 - lost_share,
-                       overall_efficiency(pressure, flow, speed, load_torque),
-                       lost_flow, lost_torque, lost_share)
+    # Eq. (11): eta_ma = T_ld w_ma / (P_p Q_s).
+    return Performance(1.0 - slip, 1.0 - lost_share, load_torque * speed / (pressure * flow),
+                       slip, lost_torque, lost_share)
 
 
 def braking(pressure, flow, speed, load_torque, displacement) -> Performance:
@@ -136,7 +79,7 @@ def braking(pressure, flow, speed, load_torque, displacement) -> Performance:
     volumetric = flow / (displacement * speed)
     mechanical = pressure * displacement / load_torque
     return Performance(volumetric, mechanical, volumetric * mechanical, 1.0 - volumetric,
-                       torque_loss(pressure, load_torque, displacement), 1.0 - mechanical)
+                       pressure * displacement - load_torque, 1.0 - mechanical)
 
 
 def predicted(pressure, speed, displacement, leakage, mechanical_efficiency) -> Performance:
