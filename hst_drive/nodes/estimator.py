@@ -9,7 +9,8 @@ from hst_drive.bag.topics import CHANNEL_FIELDS, TOPICS
 from hst_drive.losses.efficiency import Performance
 from hst_drive.nodes import verdict, wiring
 from hst_drive.nodes.base import DriveNode, GATHER, main as run_node
-from hst_drive.nodes.diagnostics import HARDWARE
+from hst_drive.nodes.diagnostics import (
+    Diagnostics, HARDWARE, OK, PackedOutput, STALE, WARN)
 from hst_drive.nodes.mapped import CHANNELS, map_of, MappedInput, search_for
 from hst_drive.nodes.parameters import JOINT, Parameter, YAML_FILE
 from hst_drive.rig import load_rig
@@ -95,8 +96,8 @@ class Estimator(DriveNode):
         self.publish_to(*(
             name for name, topic in TOPICS.items() if topic.publisher == self.role and topic.fields
             and wiring.comes(name, self._extra, self._circuit)))
-        self.outputs['verdict'] = verdict.VerdictOutput(self)
-        self.outputs['/diagnostics'] = self._diagnostics = verdict.Diagnostics(self)
+        self.outputs['verdict'] = PackedOutput(self, 'verdict')
+        self.outputs['/diagnostics'] = self._diagnostics = Diagnostics(self)
         for name in _READ:
             channels = [field.channel for field in TOPICS[name].fields if field.channel]
             for channel in filter(self._map.entries.__contains__, channels):
@@ -177,7 +178,7 @@ class Estimator(DriveNode):
             if f'{name}_residual' in self.outputs:
                 self.outputs[f'{name}_residual'].publish(
                     stamp, innovation.value, innovation.deviation, said.levels[name])
-        self.outputs['verdict'].publish(stamp, said)
+        self.outputs['verdict'].pack(stamp, verdict.named(stamp, said))
         observer = self._observer
         if said.failing:
             message, values = verdict.alarm(
@@ -185,9 +186,9 @@ class Estimator(DriveNode):
                 observer.signatures.unseen, observer.balances.closed)
             if said.failing != self._failing:
                 self.get_logger().warning(message)
-            self._tell(stamp, 'watch', verdict.WARN, message, values)
+            self._tell(stamp, 'watch', WARN, message, values)
         else:
-            self._tell(stamp, 'watch', verdict.OK, 'the model describes the drive', {
+            self._tell(stamp, 'watch', OK, 'the model describes the drive', {
                 **verdict.fine(said.levels, said.innovations, observer.watch.blocks,
                                observer.balances.closed),
                 'resistances': watched.why_none or 'valid'})
@@ -202,7 +203,7 @@ class Estimator(DriveNode):
         if reason:
             reason = '; '.join((reason, *(f'{name}: {entry.refused}' for name, entry in
                                           self.inputs.items() if entry.refused)))
-        self._tell(stamp, what, verdict.STALE if reason else verdict.OK,
+        self._tell(stamp, what, STALE if reason else OK,
                    f'not valid: {reason}' if reason else 'valid',
                    {'valid': str(not reason).lower()})
 

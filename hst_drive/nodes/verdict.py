@@ -7,12 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 import shlex
 from typing import Any, TYPE_CHECKING
 
-from hst_drive.bag.cdr import Codec
-from hst_drive.bag.definitions import find_definition
-from hst_drive.bag.topics import TOPICS
 from hst_drive.effects import catalogue
-from hst_drive.nodes.diagnostics import Diagnostics, OK, STALE, WARN
-from hst_drive.nodes.endpoints import BILLION, has_time, message_class, qos_profile
+from hst_drive.nodes.endpoints import BILLION
 from hst_drive.units import for_people
 
 if TYPE_CHECKING:
@@ -20,8 +16,6 @@ if TYPE_CHECKING:
     from hst_drive.watch.naming import Likely
     from hst_drive.watch.watch import Verdict
 
-__all__ = ['alarm', 'Diagnostics', 'fine', 'OK', 'STALE', 'to_diagnose', 'VerdictOutput',
-           'WARN']
 UNKNOWN = 'unknown'
 """Named where a balance fails and no effect of the catalogue explains it."""
 RATE = '.rate'
@@ -29,38 +23,14 @@ RATE = '.rate'
 _HOUR = 3600.0      # s
 
 
-class VerdictOutput:
-    """
-    The publisher of ``verdict``: what a machine can act on, by name of the effect.
-
-    A JointState is the one stamped standard message with numbers by name; programs that read
-    joints, and our channel map, pick an effect as they pick a joint.
-    """
-
-    def __init__(self, node):
-        self.topic = TOPICS['verdict']
-        self._codec = Codec(self.topic.type, find_definition(self.topic.type))
-        self.publisher = node.create_publisher(
-            message_class(self.topic.type), self.topic.name, qos_profile(self.topic.qos))
-        self._log = node.get_logger()
-        self.published = 0
-
-    def publish(self, stamp: int, verdict: Verdict) -> None:
-        """Publish what the watch said of the block that ended at ``stamp``, ns."""
-        if not has_time(stamp, self._log):
-            return
-        seconds, nanoseconds = divmod(stamp, BILLION)
-        self.publisher.publish(self._codec.encode({
-            'header': {'stamp': {'sec': seconds, 'nanosec': nanoseconds},
-                       'frame_id': self.topic.frame}, **named(stamp, verdict)}))
-        self.published += 1
-
-
 def named(stamp: int, verdict: Verdict) -> dict[str, list]:
     """
     Return the arrays of the message: names, sizes (SI), shares explained, seconds since.
 
-    Behind all effects come their rates: growth in SI a second, and its 95 % interval.
+    A JointState is the one stamped standard message with numbers by name; programs that read
+    joints, and our channel map, pick an effect as they pick a joint. Behind all effects come
+    their rates: growth in SI a second, and its 95 % interval. ``stamp`` (ns) is the end of the
+    block that the watch judged last.
     """
     found = [(entry.effect, entry.size, entry.explains) for entry in verdict.effects]
     if verdict.failing and not found:
