@@ -11,20 +11,21 @@ from pathlib import Path
 from threading import Lock
 from typing import Callable, Iterable, Sequence
 
+from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.result import as_json
-from hst_drive.effects import catalogue
+from hst_drive.effects import catalogue, SLOTS
 from hst_drive.errors import InputError
 from hst_drive.identify.fit import fit
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
-from hst_drive.measure.compare import compare, LogComparison, model_of
+from hst_drive.measure.compare import compare, LogComparison, model_of, pooled
 from hst_drive.measure.run import Run
 from hst_drive.model.circuit_model import part_model
 from hst_drive.rig import Rig
-from hst_drive.workbench.errors import pooled
+from hst_drive.units import difference_from_si, for_people
 from hst_drive.workbench.state import Base, PageModel
 import numpy as np
 
@@ -159,11 +160,14 @@ class Workbench:
         Returns
         -------
         dict
-            By signal: 'ratio', 'rmse', 'bias', 'floor' of compare, and 'training' and 'held', the
-            noise ratios that diagnose judges by.
+            By signal, in the units of the field: 'ratio', 'rmse', 'bias', 'floor' of compare, and
+            'training' and 'held', the noise ratios that diagnose judges by.
 
         """
-        found = pooled(self.compared(model, range(len(self.runs)), stale))
+        found = {name: {'ratio': entry.noise_ratio, **{
+            key: difference_from_si(getattr(entry, key), CHANNELS[name].display)
+            for key in ('rmse', 'floor', 'bias')}} for name, entry in
+            pooled(self.compared(model, range(len(self.runs)), stale)).items()}
         self._judge(found, self._errors(model))
         return found
 
@@ -244,9 +248,6 @@ class Workbench:
 
 def parameters(rig: Rig) -> list[dict]:
     """Return a rig's catalogue for the page: effects, their parameters in SI and for people."""
-    from hst_drive.effects import SLOTS
-    from hst_drive.units import for_people
-
     order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
     enters = part_model(rig).enters
     effects = sorted((effect for effect in catalogue().values() if enters(effect.id)),
