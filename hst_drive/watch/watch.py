@@ -15,7 +15,7 @@ once in 1e9 blocks (``exp(-2*DRIFT*THRESHOLD)``, D. Siegmund, Sequential Analysi
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from hst_drive.watch.calibration import Calibration, Innovation
 from hst_drive.watch.naming import Likely, likely, Signatures
@@ -106,7 +106,7 @@ class Verdict:
         When it began to fail, ns.
     effects : tuple of Likely
         Effects that could be missing, the likeliest first; the blocks do not tell them apart.
-        None: nothing in the catalogue that shows in blocks moves the balances like this.
+        Empty: nothing in the catalogue that shows in blocks moves the balances like this.
 
     """
 
@@ -116,7 +116,7 @@ class Verdict:
     began: int = 0
     since: int = 0
     until: int = 0
-    effects: tuple[Likely, ...] = field(default_factory=tuple)
+    effects: tuple[Likely, ...] = ()
 
 
 class Watch:
