@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from hst_drive.channels import Channel, CHANNELS
-from hst_drive.units import from_si, to_si
+from hst_drive.units import from_si
 
 NAMESPACE = '/drive'
 TRUTH = 'truth/'
@@ -55,11 +55,6 @@ class Field(NamedTuple):
     title: str
     channel: str | None = None
     absolute: bool = False
-
-    def to_channel(self, value):
-        """Convert from the message's unit to the SI value (Pa gauge) of the channel."""
-        value = to_si(value, self.unit)
-        return value - ATMOSPHERE if self.absolute else value
 
     def from_channel(self, value):
         """Convert an SI value (Pa gauge) of the channel to the message's unit."""

@@ -87,7 +87,7 @@ def _scale(field: Field) -> tuple[float, float, float]:
     """
     Return factor, offset, shift of a field: ``channel = message * factor + offset + shift``.
 
-    As ``Field.to_channel`` and ``from_channel`` convert, but the unit is looked up once.
+    As ``Field.from_channel`` converts the other way, but the unit is looked up once.
     """
     unit = UNITS[canonical(field.unit)]
     return unit.factor, unit.offset, -ATMOSPHERE if field.absolute else 0.0
