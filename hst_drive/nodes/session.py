@@ -15,7 +15,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 from typing import Any, IO
 
 from hst_drive.errors import InputError
@@ -259,9 +258,8 @@ class Session:
         for node in running:
             node.process.send_signal(signal.SIGINT)
         for node in running:
-            end = time.monotonic() + _PATIENCE.get(node.name, _DEFAULT_PATIENCE)
             try:
-                node.process.wait(max(0.1, end - time.monotonic()))
+                node.process.wait(_PATIENCE.get(node.name, _DEFAULT_PATIENCE))
             except subprocess.TimeoutExpired:
                 node.process.kill()
                 node.process.wait()
