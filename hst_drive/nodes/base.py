@@ -19,7 +19,7 @@ from hst_drive.nodes import sync, wiring
 from hst_drive.nodes.endpoints import Input, Output, partners_of, topic_named
 from hst_drive.nodes.parameters import COMMON, declare, Parameter, undeclared
 from hst_drive.nodes.priority import go_before_others
-from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
+from hst_drive.nodes.refusals import REFUSALS, tell_refusal
 from hst_drive.nodes.session import PARENT
 from hst_drive.nodes.steady_timers import steady_timers
 from hst_drive.nodes.watchdog import watched
@@ -283,14 +283,8 @@ def main(node_class: type[DriveNode], args: list[str] | None = None) -> int:
         code = node.exit_code or 0
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
-    except WRONG_INPUT as error:
-        tell_wrong_input(node_class.role, error)
-        code = 2
-    except CANNOT_START as error:
-        if executor is not None:
-            raise
-        print(f'{node_class.role}: {cannot_start(str(error))}', file=sys.stderr, flush=True)
-        code = 1
+    except REFUSALS as error:
+        code = tell_refusal(node_class.role, error, executor is not None)
     finally:
         if node is not None:
             node.deactivate()

@@ -16,7 +16,7 @@ from hst_drive.nodes.attempts import Attempts
 from hst_drive.nodes.diagnostics import Diagnostics, ERROR, HARDWARE, OK, WARN
 from hst_drive.nodes.parameters import declare, Parameter, PRIORITY
 from hst_drive.nodes.priority import go_before_others
-from hst_drive.nodes.refusals import CANNOT_START, cannot_start, tell_wrong_input, WRONG_INPUT
+from hst_drive.nodes.refusals import REFUSALS, tell_refusal
 from hst_drive.nodes.transitions import ANSWER, Refused, SILENT, Transitions
 from lifecycle_msgs.srv import GetState
 import rclpy
@@ -259,14 +259,8 @@ def main(args: list[str] | None = None) -> int:
     except Refused as problem:
         print(f'manager: {problem}', file=sys.stderr, flush=True)
         code = 1
-    except WRONG_INPUT as error:
-        tell_wrong_input('manager', error)
-        code = 2
-    except CANNOT_START as error:
-        if node is not None:
-            raise
-        print(f'manager: {cannot_start(str(error))}', file=sys.stderr, flush=True)
-        code = 1
+    except REFUSALS as error:
+        code = tell_refusal('manager', error, node is not None)
     finally:
         if node is not None:
             node.bring_down()

@@ -15,19 +15,29 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 _PLACE = re.compile(r', at \S+:\d+')    # in rcl's own source
 _WRONG_TYPE = re.compile(
     r"Trying to set parameter '(\S+)' to '(.*)' of type '(\w+)', expecting type '(\w+)'.*")
-WRONG_INPUT = (InputError, ParameterException, InvalidParameterTypeException,
-               InvalidParameterValueException)
-CANNOT_START = (rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError)
+_WRONG_INPUT = (InputError, ParameterException, InvalidParameterTypeException,
+                InvalidParameterValueException)
+REFUSALS = (*_WRONG_INPUT, rclpy_implementation.RCLError, rclpy_implementation.UnknownROSArgsError)
 
 
-def tell_wrong_input(role: str, error: Exception) -> None:
-    """Say what is wrong with what a node was given."""
-    told = _WRONG_TYPE.sub(r'parameter \1 is \2 (\3), expected \4', str(error))
+def tell_refusal(role: str, error: Exception, started: bool) -> int:
+    """
+    Say why a node does not start; return its exit code, 2 for wrong input, 1 for the rest.
+
+    What rcl complains of in a node that has ``started`` is raised again.
+    """
+    if wrong := isinstance(error, _WRONG_INPUT):
+        told = _WRONG_TYPE.sub(r'parameter \1 is \2 (\3), expected \4', str(error))
+    elif started:
+        raise error
+    else:
+        told = _cannot_start(str(error))
     # Some messages say themselves whose they are.
     print(f"{role}: {told.removeprefix(f'{role}: ')}", file=sys.stderr, flush=True)
+    return 2 if wrong else 1
 
 
-def cannot_start(text: str) -> str:
+def _cannot_start(text: str) -> str:
     """Return in one line what rcl or the middleware complain of at start, and what to do."""
     lines = (_PLACE.sub('', line).strip().rstrip(',') for line in text.splitlines())
     reason = '; '.join(filter(None, lines)).replace('error not set', 'no reason given')
