@@ -37,7 +37,6 @@ class Fit(NamedTuple):
     covariance: np.ndarray
     residuals: np.ndarray
     weights: np.ndarray
-    jacobian: np.ndarray
 
 
 Formula = Callable[[np.ndarray, object], np.ndarray]
@@ -113,8 +112,7 @@ def solve(formula: Formula, parameters: list[Parameter], x, y: np.ndarray, sd: n
         if settled > (0 if held else 1) and step > 2:
             break
     slope = _slopes(formula, values, x, sd)
-    return Fit(values, _covariance(slope, weight, stiff, found, values, low, high), found, weight,
-               slope)
+    return Fit(values, _covariance(slope, weight, stiff, found, values, low, high), found, weight)
 
 
 def _slopes(formula: Formula, values: np.ndarray, x, sd: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from hst_drive.losses.fit import Fit, Parameter
+from hst_drive.losses.fit import Parameter
 from hst_drive.losses.forms import Form, leakage_forms, Points, Term, torque_forms
 from hst_drive.losses.heldout import held_out, HeldOut
 from hst_drive.losses.paths import fit_path, Path
@@ -42,17 +42,15 @@ class Model(NamedTuple):
 
 
 class Judged(NamedTuple):
-    """A formula on a path: fit and held-out errors over the noise (each, and together)."""
+    """A formula on a path: held-out errors over the noise, each, and together."""
 
-    form: Form
-    fit: Fit
     held: HeldOut
     error: float
 
 
-def _sum(name: str, title: str, units: int, *terms: Term) -> Form:
+def _sum(units: int, *terms: Term) -> Form:
     """Return a sum of terms with coefficients that are not negative."""
-    return Form(name, title, (), lambda v, x, within: np.zeros_like(x.p),
+    return Form('sum', 'sum of terms', (), lambda v, x, within: np.zeros_like(x.p),
                 ' + '.join(term.text for term in terms), units, terms)
 
 
@@ -78,13 +76,11 @@ def catalogue(units: int) -> list[Model]:
     friction, _, power_torque = torque_forms(units)
     return [
         Model('constant_resistances', "paper's form, resistances of the oil's viscosity alone",
-              _sum('constant', 'constant resistances', units, _LAMINAR),
-              _sum('constant', 'constant resistance', units, _VISCOUS)),
-        Model('wilson', 'Wilson', _sum('wilson', 'Wilson', units, _LAMINAR, _CONSTANT),
-              _sum('wilson', 'Wilson', units, _VISCOUS, _LOAD, _CONSTANT)),
-        Model('schloesser', 'Schloesser',
-              _sum('schloesser', 'Schloesser', units, _LAMINAR, _ORIFICE),
-              _sum('schloesser', 'Schloesser', units, _VISCOUS, _LOAD, _SQUARE, _CONSTANT)),
+              _sum(units, _LAMINAR), _sum(units, _VISCOUS)),
+        Model('wilson', 'Wilson', _sum(units, _LAMINAR, _CONSTANT),
+              _sum(units, _VISCOUS, _LOAD, _CONSTANT)),
+        Model('schloesser', 'Schloesser', _sum(units, _LAMINAR, _ORIFICE),
+              _sum(units, _VISCOUS, _LOAD, _SQUARE, _CONSTANT)),
         Model('polynomial', 'polynomial (after Ivantysyn and Ivantysynova)',
               _polynomial(units, True), _polynomial(units, False)),
         Model('paper_power', "paper's form, resistances as power laws", power, power_torque),
@@ -99,20 +95,11 @@ def judge(path: Path, form: Form, weights: np.ndarray) -> Judged:
 
     The weights of the rows are given, so that no model calls an outlier what it cannot follow.
     """
-    start = np.array([entry.start for entry in form.parameters()])
-    for place, term in _coefficients(form):
-        if not term.signed:
-            start[place] = 0.02
-    fit = fit_path(path, form, start, weights)
-    held = held_out(path, form, fit)
-    return Judged(form, fit, held, held.rms(weights))
-
-
-def _coefficients(form: Form):
-    place = len(form.own)
-    for term in form.terms:
-        yield place, term
-        place += len(term.parameters(form.several))
+    coefficients = {term.id for term in form.terms}
+    start = np.array([0.02 if entry.name in coefficients else entry.start
+                      for entry in form.parameters()])
+    held = held_out(path, form, fit_path(path, form, start, weights))
+    return Judged(held, held.rms(weights))
 
 
 def ladder(path: Path, weights: np.ndarray) -> list[tuple[str, str, float]]:

@@ -10,7 +10,7 @@ which runs off to infinity where a small loss drowns in noise.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hst_drive.losses.fit import Fit, solve
 from hst_drive.losses.forms import Form, leakage_forms, Points, points_of, Scales, torque_forms
@@ -67,9 +67,8 @@ def paths_of(bench: Bench, scales: Scales) -> list[Path]:
                   ('internal', leakage - bench.drain, scales.flow, bench.flow), *losses]
     out = []
     for name, values, unit, level in losses:
-        y = values / unit
-        path = Path(name, unit, x, y, np.ones(len(y)), groups)
-        out.append(Path(name, unit, x, y, _noise(path, level / unit), groups))
+        path = Path(name, unit, x, values / unit, np.ones(len(values)), groups)
+        out.append(replace(path, sd=_noise(path, level / unit)))
     return out
 
 

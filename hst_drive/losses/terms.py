@@ -75,7 +75,6 @@ class Trial(NamedTuple):
     coefficient: float
     sd: float
     error: float
-    before: float
 
     @property
     def z(self) -> float:
@@ -176,11 +175,11 @@ def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
         coefficient, variance = trial.values[place], trial.covariance[place, place]
         if coefficient == 0.0 or abs(coefficient) < LEAST_Z * np.sqrt(variance):
             out.append(Trial(wider, trial, held, term, place, coefficient,
-                             float(np.sqrt(variance)), before, before))
+                             float(np.sqrt(variance)), before))
             continue
         new = held_out(path, wider, trial, kinds)
         out.append(Trial(wider, trial, new, term, place, float(coefficient),
-                         float(np.sqrt(variance)), new.rms(trial.weights, kinds), before))
+                         float(np.sqrt(variance)), new.rms(trial.weights, kinds)))
     return out
 
 
