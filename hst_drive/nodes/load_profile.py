@@ -59,7 +59,7 @@ class LoadProfile(DriveNode):
                         'manual_pump_command')
         if self.lockstep and not self.settings['lookahead']:
             topic = TOPICS['/clock']
-            self._clock = self.create_subscription(
+            self.create_subscription(
                 Clock, topic.name, self._clocked, qos_profile(topic.qos, 2 * sync.INTERVAL))
         super().activate()
 

@@ -112,17 +112,14 @@ class _Part:
         self.refused = ''
         self._node, self._entry, self._source = node, entry, source
         self._on_number = on_number
-        self.name = node.resolve_topic_name(self._topic())
+        self._topic = entry.topic_and_path()[0]
+        if not self._topic.startswith('/'):
+            raise InputError(f'{source}: channels.{entry.channel}: {self._topic!r} is a column of '
+                             'a CSV file; a node reads /topic.field')
+        self.name = node.resolve_topic_name(self._topic)
         self._subscription = None
         self._wrong = ''        # why the publisher's type does not do
         self._layout: Layout | None = None
-
-    def _topic(self) -> str:
-        topic, _ = self._entry.topic_and_path()
-        if not topic.startswith('/'):
-            raise InputError(f'{self._source}: channels.{self._entry.channel}: {topic!r} is a '
-                             'column of a CSV file; a node reads /topic.field')
-        return topic
 
     def search(self) -> bool:
         """Subscribe if there is a publisher; return whether that is done."""
@@ -140,9 +137,8 @@ class _Part:
     def _subscribe(self, publishers) -> None:
         kind = publishers[0].topic_type
         text = find_definition(kind)
-        topic, _ = self._entry.topic_and_path()
         _, self._pick = mapped_pick(
-            self._entry, [Stream(topic, kind, text, 'ros2msg', 'cdr', {})], self._source)
+            self._entry, [Stream(self._topic, kind, text, 'ros2msg', 'cdr', {})], self._source)
         self._codec = Codec(kind, text)
         self._diagnostic = kind == DIAGNOSTIC_ARRAY
         # Reliable where all offer it: a set point comes once and shall not be lost.

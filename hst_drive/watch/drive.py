@@ -105,7 +105,6 @@ class Observer:
         self._length = round(settings.block * BILLION)
         memory = LEAD + 2 * settings.block + settings.window + settings.timeout
         self._stream = Stream(self.signals, memory, settings.timeout)
-        self._restarts = 0
         self._hear(signals)
         self._restart()
 
@@ -131,9 +130,9 @@ class Observer:
 
     def put(self, name: str, stamp: int, value: float) -> None:
         """Take a sample: channel, ns, SI."""
+        before = self._stream.restarts
         self._stream.put(name, stamp, value)
-        if self._stream.restarts != self._restarts:
-            self._restarts = self._stream.restarts
+        if self._stream.restarts != before:
             self._restart()
 
     def reached(self) -> int | None:

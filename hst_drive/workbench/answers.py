@@ -160,7 +160,7 @@ class Answers:
         return self._begin('diagnose', work)
 
     def _job(self, content: dict) -> dict:
-        return plain(self.job.status()) if self.job else {'state': 'none'}
+        return self.job.status() if self.job else {'state': 'none'}
 
     def _stop(self, content: dict) -> dict:
         if self.job:
