@@ -16,7 +16,7 @@ COLUMNS: dict[str, str] = {
 }
 DRAIN = 'case_drain_flow'
 # The four variables of the paper's figures: attribute of the table, unit, least gap of levels
-# (share of the mean; K for the temperature), digits for people.
+# (share of the mean; for the size of itself, for the temperature in K), digits for people.
 VARIABLES: dict[str, tuple[str, str, float, int]] = {
     'speed': ('speed', 'rpm', 0.015, 0), 'load': ('load_torque', 'N.m', 0.03, 0),
     'temperature': ('temperature', 'degC', 2.0, 0), 'size': ('displacement', 'cc/rev', 0.004, 1),
@@ -90,8 +90,9 @@ class Bench:
         values = getattr(self, name)
         order = np.argsort(values, kind='stable')
         ranked = values[order]
-        gap = max(least if variable == 'temperature' else least * abs(ranked.mean()),
-                  0.02 * (ranked[-1] - ranked[0]) if variable != 'size' else 0.0)
+        gap = least * ranked[1:] if variable == 'size' else max(
+            least if variable == 'temperature' else least * abs(ranked.mean()),
+            0.02 * (ranked[-1] - ranked[0]))
         steps = np.diff(ranked) > gap
         number = np.concatenate([[0], np.cumsum(steps)])
         if variable != 'size' and (

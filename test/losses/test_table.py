@@ -25,6 +25,15 @@ def test_a_possible_table_is_read():
     assert len(read(GOOD)) == 12
 
 
+def test_two_small_motors_beside_a_large_one_are_two():
+    size = np.repeat([1.0, 1.04, 50.0], 4)
+    bench = read({**GOOD, **{name: GOOD[name] * size for name in (
+        'motor_displacement', 'load_torque', 'supply_flow')}})
+    _, sizes = bench.levels('size')
+    assert sizes / DISPLACEMENT == pytest.approx([1.0, 1.04, 50.0])
+    assert [bench.of_motor(found).sum() for found in sizes] == [4, 4, 4]
+
+
 @pytest.mark.parametrize('change', [
     {'load_torque': GOOD['motor_speed'], 'motor_speed': GOOD['load_torque']},
     {'supply_flow': 0.85 * GOOD['supply_flow']},
