@@ -147,6 +147,7 @@ class Loop:
             step = np.delete(np.delete(step, n, axis=0), n, axis=1)
         return np.linalg.eigvals(step)
 
+    @np.errstate(divide='ignore')   # with gains of 0 there is no loop
     def margins(self, kp: float, ki: float) -> Margins:
         """Return the margins with these gains (V.s/rad, V/rad)."""
         loop = self.loop_gain(kp, ki)

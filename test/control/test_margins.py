@@ -117,6 +117,13 @@ def test_delay_takes_margin_away(delay):
     assert (np.abs(poles).max() < 1.0) == b.stable
 
 
+@pytest.mark.filterwarnings('error')
+def test_without_gains_nothing_can_become_unstable():
+    found = margins(linear_drive(), 0.0, 0.0, TS)
+    assert found.stable and found.phase_margin == found.gain_margin == math.inf
+    assert found.crossover == found.resonance_gain == 0.0 and found.sensitivity_peak == 1.0
+
+
 def test_sensitivity_peak_bounds_the_margins():
     """|1 + L| >= 1 / Ms gives PM >= 2 asin(1 / (2 Ms)) and GM >= Ms / (Ms - 1)."""
     found = margins(linear_drive(), 0.02, 0.45, TS)
