@@ -167,19 +167,16 @@ def _trials(path: Path, form: Form, fit: Fit, held: HeldOut) -> list[Trial]:
             continue
         wider = form.with_terms(term)
         place = len(form.own) + sum(len(old.parameters(form.several)) for old in form.terms)
-        own = len(term.parameters(form.several))
-        start = np.insert(fit.values, [place] * own,
-                          [entry.start for entry in term.parameters(form.several)])
+        own = [entry.start for entry in term.parameters(form.several)]
+        start = np.insert(fit.values, [place] * len(own), own)
         start[place] = 1e-3
         trial = fit_path(path, wider, start)
-        coefficient, variance = trial.values[place], trial.covariance[place, place]
-        if coefficient == 0.0 or abs(coefficient) < LEAST_Z * np.sqrt(variance):
-            out.append(Trial(wider, trial, held, term, place, coefficient,
-                             float(np.sqrt(variance)), before))
-            continue
-        new = held_out(path, wider, trial, kinds)
-        out.append(Trial(wider, trial, new, term, place, float(coefficient),
-                         float(np.sqrt(variance)), new.rms(trial.weights, kinds)))
+        coefficient = float(trial.values[place])
+        sd, new, error = float(np.sqrt(trial.covariance[place, place])), held, before
+        if not (coefficient == 0.0 or abs(coefficient) < LEAST_Z * sd):
+            new = held_out(path, wider, trial, kinds)
+            error = new.rms(trial.weights, kinds)
+        out.append(Trial(wider, trial, new, term, place, coefficient, sd, error))
     return out
 
 
