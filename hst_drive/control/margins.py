@@ -103,6 +103,8 @@ class Loop:
     delay : int
         Whole samples between reading and command, e.g. 1 for a command that takes effect one
         period late.
+    points : int
+        Frequencies of the grid, some more around the resonance apart.
 
     """
 

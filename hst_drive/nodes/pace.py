@@ -44,7 +44,7 @@ class Pace:
         if 5 * passed < 3 * step:
             return 0.0
         if self._on_grid:
-            passed = (2 * passed + step - 1) // (2 * step) * step    # the nearest; half: below
+            passed = (2 * passed + step - 1) // (2 * step) * step    # the nearest; a half: less
         self._last += passed
         return passed / BILLION
 

@@ -90,12 +90,9 @@ class Signatures:
         """
         Return what to try: effect, its parameters at typical size, the one that is fitted.
 
-        What only a drive that turned ``both_ways`` tells from others is tried then only.
-
-        What gives an adopted effect its shape stays as adopted.
-
-        An effect that is a sum of parts, each with a parameter of its own, is tried part by
-        part.
+        Effects that only turning ``both_ways`` tells from others are tried if the drive has done
+        so. What gives an adopted effect its shape stays as adopted. An effect that is a sum of
+        parts, each with a parameter of its own, is tried part by part.
         """
         found = []
         for name, effect in self._effects.items():

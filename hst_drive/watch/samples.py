@@ -117,7 +117,7 @@ class Samples:
     Attributes
     ----------
     backwards : bool
-        Which way it turns.
+        Whether the hydromotor turns backwards, on the mean.
 
     """
 

@@ -29,6 +29,7 @@ class Setting(NamedTuple):
 
     ``logs``, ``holdout``, ``rig`` and ``channels`` are the files of the command line; ``folder``
     is where rig files are saved, by ``write``; ``guided`` tells that this is the first visit.
+    ``start`` is the model to begin with; None: that of the rig file.
     """
 
     logs: tuple[str, ...]
