@@ -107,14 +107,13 @@ def _share_domain(locks: ExitStack, domain: str, note: Callable[[str], None]) ->
         return      # which ROS says by itself
     if int(domain) > _LAST_DOMAIN:
         raise InputError(f"ROS_DOMAIN_ID is '{domain}', expected 0 to {_LAST_DOMAIN}")
-    # It waits only for another run's look at this lock.
-    locks.enter_context(_lock(int(domain), 'chosen', fcntl.LOCK_SH))
-    first = _lock(int(domain), 'run', fcntl.LOCK_EX | fcntl.LOCK_NB)
-    if first is None:
+    # Only the first gets it alone; it waits only for another run's look at this lock.
+    alone = _lock(int(domain), 'chosen', fcntl.LOCK_EX | fcntl.LOCK_NB)
+    shared = locks.enter_context(alone or _lock(int(domain), 'chosen', fcntl.LOCK_SH))
+    fcntl.flock(shared, fcntl.LOCK_SH)
+    if alone is None:
         note(f'another run is in ROS_DOMAIN_ID {domain}, and both hear each other; end one, give '
              'another number, or unset it')
-    else:
-        locks.enter_context(first)
 
 
 def _lock(domain: int, kind: str, how: int) -> IO[str] | None:

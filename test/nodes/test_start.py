@@ -74,6 +74,17 @@ def test_a_domain_that_users_chose_is_theirs_together(taken, monkeypatch):
         assert sorted([17, *taken()]) == list(range(1, 101))
 
 
+def test_who_comes_later_is_told_also_when_the_first_has_gone(taken, monkeypatch):
+    monkeypatch.setenv('ROS_DOMAIN_ID', '17')
+    notes = []
+    with ExitStack() as second, ExitStack() as third:
+        with ExitStack() as first:
+            for locks in (first, second):
+                environment_of_run(locks)
+        environment_of_run(third, notes.append)
+    assert len(notes) == 1
+
+
 def test_a_user_may_choose_the_domain_of_a_run_and_keeps_it(taken, monkeypatch):
     with ExitStack() as chosen:
         with ExitStack() as own:
