@@ -125,7 +125,7 @@ class Collector:
             return
         schema = self._schemas.get(channel.schema_id)
         stream = Stream(channel.topic, schema.name if schema else '',
-                        schema.data.decode('utf-8') if schema else '',
+                        schema.data.decode('utf-8', 'surrogateescape') if schema else '',
                         schema.encoding if schema else '', channel.message_encoding,
                         channel.metadata)
         self._streams[channel.id] = stream

@@ -75,13 +75,13 @@ class McapSink:
         key = (topic.type, topic.definition)
         if key not in self._schemas:
             self._schemas[key] = self._writer.register_schema(
-                topic.type, topic.encoding, topic.definition.encode())
+                topic.type, topic.encoding, topic.definition.encode('utf-8', 'surrogateescape'))
         self._ids[topic.name] = self._writer.register_channel(
-            topic.name, 'cdr', self._schemas[key],
+            topic.name, topic.coding, self._schemas[key],
             {'offered_qos_profiles': topic.profiles, 'topic_type_hash': topic.type_hash})
         self.counts[topic.name] = 0
         self._topics[topic.name] = {
-            'name': topic.name, 'type': topic.type, 'serialization_format': 'cdr',
+            'name': topic.name, 'type': topic.type, 'serialization_format': topic.coding,
             'offered_qos_profiles': yaml.safe_load(topic.profiles) or [],
             'type_description_hash': topic.type_hash}
 

@@ -75,7 +75,7 @@ def recover(path: str | os.PathLike[str], folder: str | os.PathLike[str]) -> Rec
             bag.add_topic(stream.topic, stream.type, stream.definition,
                           stream.metadata.get('topic_type_hash', ''),
                           _with_names(stream.metadata.get('offered_qos_profiles', '')),
-                          stream.schema_encoding)
+                          stream.schema_encoding, stream.encoding)
         for _, log, sent, topic, data in rows:
             bag.write(topic, data, log, sent)
     times = [log for _, log, *_ in rows]

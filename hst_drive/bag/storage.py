@@ -17,7 +17,11 @@ from hst_drive.bag.stream import Stream
 
 
 class Announced(NamedTuple):
-    """A topic as a bag holds it; ``profiles`` are its QoS as a YAML list with names."""
+    """
+    A topic as a bag holds it; ``profiles`` are its QoS as a YAML list with names.
+
+    ``encoding`` is that of its definition, ``coding`` that of its messages.
+    """
 
     name: str
     type: str
@@ -25,6 +29,7 @@ class Announced(NamedTuple):
     encoding: str
     type_hash: str
     profiles: str
+    coding: str = 'cdr'
 
 
 class Sink(Protocol):

@@ -72,7 +72,7 @@ class BagWriter:
 
     def add_topic(self, name: str, type_name: str, definition: str | None = None,
                   type_hash: str | None = None, qos: Qos | str = Qos(),
-                  encoding: str = 'ros2msg') -> None:
+                  encoding: str = 'ros2msg', coding: str = 'cdr') -> None:
         """
         Announce a topic; a topic announced before is left as it is.
 
@@ -88,6 +88,8 @@ class BagWriter:
             What the publisher offers; a str is a YAML text from another bag, kept as it is.
         encoding : str
             Of the definition: 'ros2msg' or 'ros2idl'.
+        coding : str
+            Of the messages.
 
         """
         if name in self._sink.counts:
@@ -98,7 +100,7 @@ class BagWriter:
         self._sink.add_topic(Announced(
             name, type_name, find_definition(type_name) if definition is None else definition,
             encoding, find_hash(type_name) if type_hash is None else type_hash,
-            text.rstrip('\n')))
+            text.rstrip('\n'), coding))
 
     def write(self, name: str, data: bytes, log_time: int,
               publish_time: int | None = None) -> None:

@@ -12,6 +12,8 @@ from hst_drive.bag import BagWriter, read_log, recover, write_run
 from hst_drive.bag.mcap_bag import salvage_streams
 from hst_drive.errors import InputError
 from hypothesis import given, settings, strategies as st
+from mcap.reader import make_reader
+from mcap.writer import Writer
 import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader
@@ -157,3 +159,35 @@ def test_what_is_saved_keeps_the_order_in_which_it_was_written(tmp_path):
         back = read_log(tmp_path / name)
         assert any('set back by 3 s' in note for note in back.notes)
         np.testing.assert_allclose(back['motor_speed'], run['motor_speed'], rtol=1e-12)
+
+
+def with_a_camera(path, run, profiles=''):
+    """Write a recording as an MCAP file in which a topic of protobuf stands beside ours."""
+    write_run(path.with_suffix(''), run)
+    with open(path, 'wb') as file:
+        writer = Writer(file)
+        writer.start('ros2')
+        schema = writer.register_schema('foxglove.Image', 'protobuf', b'\n\x81\x02\xff')
+        camera = writer.register_channel('/camera', 'protobuf', schema)
+        for stream in salvage_streams(path.with_suffix('') / f'{path.stem}_0.mcap')[0]:
+            schema = writer.register_schema(stream.type, 'ros2msg', stream.definition.encode())
+            channel = writer.register_channel(stream.topic, 'cdr', schema,
+                                              {'offered_qos_profiles': profiles})
+            for log, data in zip(stream.log_time, stream.data):
+                writer.add_message(channel, log, data, log)
+                writer.add_message(camera, log, b'\xff\xd8', log)
+        writer.finish()
+
+
+def test_topics_of_another_coding_stand_beside_ours(tmp_path):
+    run = make_run(60)
+    with_a_camera(tmp_path / 'b.mcap', run)
+    np.testing.assert_allclose(read_log(tmp_path / 'b.mcap')['motor_speed'], run['motor_speed'])
+    assert recover(tmp_path / 'b.mcap', tmp_path / 'saved').damaged == 0
+    for path in (tmp_path / 'b.mcap', tmp_path / 'saved' / 'saved_0.mcap'):
+        with open(path, 'rb') as file:
+            summary = make_reader(file).get_summary()
+        found = {channel.topic: channel for channel in summary.channels.values()}
+        assert found['/camera'].message_encoding == 'protobuf'
+        assert summary.schemas[found['/camera'].schema_id].data == b'\n\x81\x02\xff'
+        assert found['/drive/motor'].message_encoding == 'cdr'
