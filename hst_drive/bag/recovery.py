@@ -86,9 +86,10 @@ def _with_names(text: str) -> str:
     """Return QoS profiles of older bags, which hold numbers, as the current ones with names."""
     try:
         profiles = yaml.safe_load(text) or []
-    except yaml.YAMLError:
+        numbered = any(isinstance(profile.get(key), int) for profile in profiles for key in _NAMES)
+    except (yaml.YAMLError, AttributeError, TypeError):     # no list of mappings
         return '[]'
-    if not any(isinstance(profile.get(key), int) for profile in profiles for key in _NAMES):
+    if not numbered:
         return text or '[]'
     for profile in profiles:
         for key, names in _NAMES.items():

@@ -191,3 +191,10 @@ def test_topics_of_another_coding_stand_beside_ours(tmp_path):
         assert found['/camera'].message_encoding == 'protobuf'
         assert summary.schemas[found['/camera'].schema_id].data == b'\n\x81\x02\xff'
         assert found['/drive/motor'].message_encoding == 'cdr'
+
+
+@pytest.mark.parametrize('profiles', ['reliable', '5'])
+def test_profiles_that_are_none_are_left_out(tmp_path, profiles):
+    with_a_camera(tmp_path / 'b.mcap', make_run(60), profiles)
+    recover(tmp_path / 'b.mcap', tmp_path / 'saved')
+    assert len(read_log(tmp_path / 'saved')) == 60
