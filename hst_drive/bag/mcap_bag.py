@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 import struct
 from typing import BinaryIO, NamedTuple
@@ -84,7 +85,7 @@ def salvage_streams(path: Path) -> tuple[list[Stream], int]:
 def extent(path: Path) -> Extent:
     """Return how much of a cut file can be read, from its chunks' headers and indexes alone."""
     messages, first, last = 0, None, None
-    with open(path, 'rb') as file:
+    with open(path, 'rb') as file, suppress(struct.error):      # up to a record that is too short
         for opcode, body in records(file, None, heads=True):
             if opcode == Opcode.CHUNK:
                 start, end = struct.unpack_from('<QQ', body)

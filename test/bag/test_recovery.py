@@ -198,3 +198,12 @@ def test_profiles_that_are_none_are_left_out(tmp_path, profiles):
     with_a_camera(tmp_path / 'b.mcap', make_run(60), profiles)
     recover(tmp_path / 'b.mcap', tmp_path / 'saved')
     assert len(read_log(tmp_path / 'saved')) == 60
+
+
+def test_a_cut_file_with_a_record_that_is_too_short_is_told(tmp_path):
+    write_run(tmp_path / 'b', make_run(600))
+    data = (tmp_path / 'b' / 'b_0.mcap').read_bytes()
+    path = tmp_path / 'cut.mcap'
+    path.write_bytes(data[:8] + b'\6' + struct.pack('<Q', 3) + b'abc' + data[8:-100])
+    with pytest.raises(InputError, match='cut off'):
+        read_log(path)
