@@ -206,7 +206,7 @@ def _time_of(channel_map: ChannelMap, header: list[str],
 def _parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
            columns: list[int], path: str) -> np.ndarray:
     """Return the numbers of the chosen columns, shape (rows, columns)."""
-    comma = separator != ',' and any(',' in line for line in lines[:1000])
+    comma = separator != ',' and any(',' in line for line in lines)
     plain = lines
     if comma:
         plain = [line.replace(',', '.') for line in lines]

@@ -243,3 +243,9 @@ def test_an_error_in_a_long_file_is_found(tmp_path):
         file.write('1000,oops' + ',1' * (len(run.channels) - 1) + '\n')
     with pytest.raises(InputError, match="row 100002, column 'pump_command.*'oops'"):
         read_log(tmp_path / 'long.csv')
+
+
+def test_decimal_commas_may_come_late(tmp_path):
+    rows = [*(f'{10 * k};0' for k in range(1500)), *(f'{10 * k};{k},5' for k in range(1500, 1550))]
+    run = read_csv(save(tmp_path, 'time[ms];motor_speed[rpm]', rows))
+    assert run['motor_speed'][-1] == pytest.approx(1549.5 * np.pi / 30)
