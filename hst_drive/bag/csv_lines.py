@@ -28,7 +28,8 @@ def read_lines(path: Path) -> tuple[list[str], Sequence[int]]:
             text = data.decode('utf-8-sig')
         except UnicodeDecodeError:
             text = data.decode('latin-1')
-    lines = text.splitlines()
+    # Not splitlines: in text of Windows its ... (0x85) would end a line.
+    lines = text.replace('\r\n', '\n').replace('\r', '\n').removesuffix('\n').split('\n')
     last, rows = len(lines), range(1, len(lines) + 1)
     if '#' in text or not all(map(str.strip, lines)):
         rows = [number for number in rows

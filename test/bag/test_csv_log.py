@@ -249,3 +249,10 @@ def test_decimal_commas_may_come_late(tmp_path):
     rows = [*(f'{10 * k};0' for k in range(1500)), *(f'{10 * k};{k},5' for k in range(1500, 1550))]
     run = read_csv(save(tmp_path, 'time[ms];motor_speed[rpm]', rows))
     assert run['motor_speed'][-1] == pytest.approx(1549.5 * np.pi / 30)
+
+
+@pytest.mark.parametrize('newline', ['\n', '\r\n', '\r'])
+def test_dots_of_windows_end_no_line(tmp_path, newline):
+    rows = [f'{row},1' for row in ROWS]
+    path = save(tmp_path, HEADER + ',state\x85 of', rows, newline=newline, encoding='latin-1')
+    assert read_csv(path)['motor_speed'] == pytest.approx(np.arange(50) * np.pi / 30)
