@@ -145,14 +145,14 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
 
 
 def write_csv(path: str | os.PathLike[str], run: Run) -> None:
-    """Write a recording with the units of the field; nine digits, missing samples empty."""
+    """Write a recording in the units of the field; nine digits (time: 15), no sample: empty."""
     units = {name: CHANNELS[name].display for name in run.channels}
     table = np.column_stack([run.time] + [from_si(run[name], unit)
                                           for name, unit in units.items()])
     with open(path, 'w', encoding='utf-8', newline='\n') as file:
         file.write(','.join(['time[s]'] + [f'{name}[{unit}]' for name, unit in units.items()]))
         file.write('\n')
-        pattern = ','.join(['%.12g'] + ['%.9g'] * len(units)) + '\n'
+        pattern = ','.join(['%.15g'] + ['%.9g'] * len(units)) + '\n'
         text = ''.join(pattern % tuple(row) for row in table.tolist())
         file.write(text.replace('nan', ''))
 

@@ -256,3 +256,9 @@ def test_dots_of_windows_end_no_line(tmp_path, newline):
     rows = [f'{row},1' for row in ROWS]
     path = save(tmp_path, HEADER + ',state\x85 of', rows, newline=newline, encoding='latin-1')
     assert read_csv(path)['motor_speed'] == pytest.approx(np.arange(50) * np.pi / 30)
+
+
+def test_time_since_1970_is_written_to_the_microsecond(tmp_path):
+    run = Run('r', 1.7e9 + 1e-3 * np.arange(50), {'motor_speed': np.arange(50.0)})
+    write_csv(tmp_path / 'r.csv', run)
+    np.testing.assert_allclose(read_csv(tmp_path / 'r.csv').time, run.time, rtol=0, atol=1e-6)
