@@ -82,7 +82,7 @@ class Layout(NamedTuple):
                   for index, (_, entry, unit) in enumerate(self.picks)]
         if whole:
             if self.dated:      # people count from the first row
-                values[0] -= values[0][0]
+                values[0] = values[0] - values[0][:1]
             values[0] = spread(values[0], self.notes)
         check_time(values[0], rows, self.path)
         return values[0], differences({
@@ -145,7 +145,7 @@ def read_csv(path: str | os.PathLike[str], channel_map: ChannelMap = ChannelMap(
 
 
 def write_csv(path: str | os.PathLike[str], run: Run) -> None:
-    """Write a recording in the units of the field; nine digits (time: 15), no sample: empty."""
+    """Write a recording in the units of the field: 9 digits (time 15), missing samples empty."""
     units = {name: CHANNELS[name].display for name in run.channels}
     table = np.column_stack([run.time] + [from_si(run[name], unit)
                                           for name, unit in units.items()])

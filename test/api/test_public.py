@@ -214,6 +214,7 @@ def test_losses_of_a_table_are_those_of_its_file(tmp_path):
     ({'motor_speed[rpm]': range(20)}, 'no column time'),
     ({'time': range(20), 'motor_speed[rpm]': range(20)}, "'time' has no unit"),
     ({'time[s]': range(20), 'motor_speed': range(20)}, 'has no unit'),
+    ({'time': [], 'motor_speed[rpm]': []}, 'only 0 rows'),
     ({'time[s]': range(20), 'motor_speed[rpm]': ['fast'] * 20}, 'other things than numbers'),
     ({'time[s]': range(20), 'motor_speed[rpm]': range(19)}, '19 values'),
     ({'time[s]': np.arange(20).astype('datetime64[s]'), 'motor_speed[rpm]': range(20)}, 'dates'),
