@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 from hst_drive.bag import load_channel_map, read_log
+from hst_drive.bag.rosbag2 import bag_files
 from hst_drive.errors import InputError
 from hst_drive.measure.run import refuse_impossible, Run, same_recording
 
@@ -35,6 +36,14 @@ def read_logs(paths: Sequence[str | os.PathLike[str]],
     return together([read_log(path, mapping) for path in paths])
 
 
+def file_of(source: str | os.PathLike[str]) -> Path | None:
+    """Return the file or bag that a recording comes from; None where that is a mere name."""
+    try:
+        return Path(source).resolve() if source and bag_files(Path(source), []) else None
+    except InputError:      # a recording in memory; a folder may be called as it is
+        return None
+
+
 def together(runs: Sequence[Run]) -> list[Run]:
     """
     Return recordings as one campaign; where two have one name, the folder tells them apart.
@@ -47,7 +56,7 @@ def together(runs: Sequence[Run]) -> list[Run]:
     """
     for run in runs:
         refuse_impossible(run)
-    files = [Path(run.source).resolve() if os.path.exists(run.source) else None for run in runs]
+    files = [file_of(run.source) for run in runs]
     for place, run in enumerate(runs):
         if files[place] is not None and files[place] in files[:place]:
             raise InputError(f'{run.source}: is given twice; the same log must count only once')

@@ -11,6 +11,7 @@ import platform
 from typing import NamedTuple, Sequence
 
 import hst_drive
+from hst_drive.bag.campaign import file_of
 from hst_drive.measure.run import Run
 from hst_drive.rig import Rig
 
@@ -77,7 +78,7 @@ def versions() -> dict[str, str]:
 
 
 def _source(run: Run, path: Path, role: str) -> Source:
-    files = [path] if path.is_file() else sorted(
+    files = [] if file_of(path) is None else [path] if path.is_file() else sorted(
         entry for entry in path.rglob('*') if entry.is_file())
     digest, size = hashlib.sha256(), 0
     for entry in files:
@@ -85,7 +86,7 @@ def _source(run: Run, path: Path, role: str) -> Source:
             while chunk := stream.read(_CHUNK):
                 digest.update(chunk)
                 size += len(chunk)
-    if not path.exists():       # a log in memory: its numbers are its file
+    if not files:           # a log in memory: its numbers are its file
         for values in (run.time, *run.channels.values()):
             digest.update(values.tobytes())
             size += values.nbytes
