@@ -112,7 +112,8 @@ class Recorded:
                                 high=what.high)
         keys.done()
         values = self.recording.channels.get(channel)
-        asked = values is not None and (channel != 'speed_setpoint' or np.nanmax(values) > 0.0)
+        asked = values is not None and (channel != 'speed_setpoint' or (
+            np.abs(values) > 0.0).any())
         if asked:
             return self._points(channel)
         lack = 'is 0 throughout' if values is not None else 'is not in it'

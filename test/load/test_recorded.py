@@ -110,3 +110,11 @@ def test_files_and_maps_that_would_not_count(tmp_path):
     load_scenario(tmp_path / 'mine.yaml', log='b.csv', channels='other.yaml', read=read)
     assert asked == [(tmp_path / 'a.csv', tmp_path / 'map.yaml'),
                      (Path('b.csv'), Path('other.yaml'))]
+
+
+def test_a_drive_that_turns_backwards_has_a_set_point():
+    content = {**PLAIN, 'start': 'rest', 'load': {'kind': 'recorded', 'channel': 'load_torque'}}
+    backwards = {**CHANNELS, 'speed_setpoint': -CHANNELS['speed_setpoint']}
+    scenario = parse_scenario(content, None, 'mine.yaml', None,
+                              lambda file, mapping: Recording('log.csv', TIME, backwards))
+    assert scenario.speed_setpoint(0.0) == pytest.approx(-80 * RPM)
