@@ -8,6 +8,7 @@ from typing import NamedTuple
 from hst_drive.load.keys import Keys
 from hst_drive.load.profiles import (
     Chirp, constant, Points, Profile, random_steps, Sequenced, Sine, Sum)
+from hst_drive.units import to_si
 
 KINDS = ('constant', 'steps', 'ramps', 'sine', 'chirp', 'random_steps', 'sum', 'sequence')
 
@@ -106,8 +107,10 @@ def _random(keys, what, duration, seed, salt):
 
 
 def _sum(keys, what, duration, seed, salt):
-    return Sum([read_profile(part, what, duration, seed, 100 * salt + i + 1)
-                for i, part in enumerate(keys.sections('parts'))])
+    parts = [read_profile(part, what, duration, seed, 100 * salt + i + 1)
+             for i, part in enumerate(keys.sections('parts'))]
+    zero = to_si(0.0, what.unit)        # of degC: not once with each part
+    return Sum([*parts, constant((1 - len(parts)) * zero)])
 
 
 def _sequence(keys, what, duration, seed, salt):

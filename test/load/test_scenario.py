@@ -170,3 +170,10 @@ def test_log_beside_the_scenario(tmp_path):
     assert scenario.load.torque(5.0) == pytest.approx(150.0)
     with pytest.raises(InputError, match='no_log.csv: cannot be read'):
         load_scenario(tmp_path / 'mine.yaml', log=tmp_path / 'no_log.csv')
+
+
+def test_the_sum_of_temperatures_has_one_zero():
+    wave = {'kind': 'sine', 'mean_temperature_degC': 0, 'amplitude_K': 5, 'frequency_Hz': 0.25}
+    scenario = parse_scenario({**GOOD, 'oil_temperature': {
+        'kind': 'sum', 'parts': [{'temperature_degC': 40}, wave]}}, UNIT)
+    assert scenario.oil_temperature(1.0) == pytest.approx(318.15)
