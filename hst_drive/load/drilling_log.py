@@ -159,7 +159,9 @@ class Use:
     speed_up : float
         How much faster than the log's own time.
     window : (float, float) or None
-        Part to use, in m of depth (or s of time where the log has no depth).
+        Part to use: m of depth or s of time, as ``axis`` says.
+    axis : str
+        'depth' or 'time'.
     start : float
         Time of the first row, s; before, its torque.
 
@@ -170,6 +172,7 @@ class Use:
     time_per_row: float | None = None
     speed_up: float = 1.0
     window: tuple[float, float] | None = None
+    axis: str = 'depth'
     start: float = 0.0
 
 
@@ -200,13 +203,15 @@ def _window(log: DrillingLog, use: Use, notes: list[str]) -> dict[str, np.ndarra
     """Return the rows between the first and last torque, inside the wanted window."""
     keep = np.isfinite(log.columns['torque'])
     if use.window is not None:
-        axis = 'depth' if 'depth' in log.columns else 'time'
-        place = np.abs(log.columns[axis])
+        if use.axis not in log.columns:
+            raise InputError(f'{log.source}: has no {use.axis}, so no range of it can be used; '
+                             f"it has {', '.join(log.columns)}")
+        place = np.abs(log.columns[use.axis])
         keep &= (place >= use.window[0]) & (place <= use.window[1])
         if keep.sum() < 2:
             raise InputError(
                 f'{log.source}: fewer than 2 rows with torque between {use.window[0]:g} and '
-                f'{use.window[1]:g} ({axis}, SI); the log runs from {np.nanmin(place):g} to '
+                f'{use.window[1]:g} ({use.axis}, SI); the log runs from {np.nanmin(place):g} to '
                 f'{np.nanmax(place):g}')
     first, last = np.flatnonzero(keep)[[0, -1]]
     left_out = len(keep) - (last - first + 1)

@@ -126,15 +126,15 @@ def _use(keys: Keys) -> Use:
         raise keys.fail('torque_factor', 'or torque_range_N_m: expected exactly one of the two')
     if factor == 0.0:
         raise keys.fail('torque_factor', 'is 0, expected a number other than 0')
-    window = keys.numbers('depth_range', 'm', low=0.0, count=2) \
-        if keys.has('depth_range', 'm') else None
-    if keys.has('time_range', 's'):
-        if window is not None:
-            raise keys.fail('time_range_s', 'stands beside a depth range; keep one')
-        window = keys.numbers('time_range', 's', low=0.0, count=2)
+    units = {'depth': 'm', 'time': 's'}
+    axes = [axis for axis, unit in units.items() if keys.has(f'{axis}_range', unit)]
+    if len(axes) > 1:
+        raise keys.fail('time_range_s', 'stands beside a depth range; keep one')
+    axis = (*axes, 'depth')[0]
+    window = keys.numbers(f'{axis}_range', units[axis], low=0.0, count=2) if axes else None
     return Use(
         factor=factor, torque_range=tuple(torque_range) if torque_range else None,
         time_per_row=keys.number('time_per_row', 's', None, low=1e-4),
         speed_up=keys.number('speed_up', '1', 1.0, low=1e-3, high=1e9),
-        window=tuple(window) if window else None,
+        window=tuple(window) if window else None, axis=axis,
         start=keys.number('start', 's', 0.0, low=0.0))

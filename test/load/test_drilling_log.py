@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from hst_drive.errors import InputError
-from hst_drive.load import load_scenario
+from hst_drive.load import load_scenario, parse_scenario
 from hst_drive.load.drilling_log import parse_drilling_log, to_profile, Use
 import numpy as np
 import pytest
@@ -122,3 +122,19 @@ def test_auger_logs(path):
     assert scenario.duration >= 6.0 + (rows - 1) / 10.0 - 1e-6
     assert all(0.5 <= scenario.load.pprv_command(t) <= 10.0
                for t in np.linspace(0, scenario.duration, 200))
+
+
+@pytest.mark.parametrize('given, first, last', [
+    ({'time_range_s': [20, 30]}, 20.0, 30.0), ({'depth_range_m': [530, 550]}, 30.0, 50.0)])
+def test_a_range_is_of_what_its_key_says(given, first, last):
+    """Of a log with time and depth; one without depth has no range of it."""
+    content = {'title': 'a log', 'speed_setpoint': {'speed_rpm': 60},
+               'load': {'kind': 'drilling_log', 'torque_factor': 1.0, **given}}
+    rows = [(k, k, 500 + k) for k in range(60)]
+    text = 'time[s],torque[N.m],depth[m]\n' + ''.join('%d,%d,%d\n' % row for row in rows)
+    load = parse_scenario(content, None, read_text=lambda name: (text, 'log.csv')).load
+    assert (load.torque(0.0), load.torque(999.0)) == (first, last)
+    if 'depth_range_m' in given:
+        text = text.replace('depth[m]', 'other[m]')
+        with pytest.raises(InputError, match='log.csv: has no depth.*it has time, torque'):
+            parse_scenario(content, None, read_text=lambda name: (text, 'log.csv'))
