@@ -250,6 +250,9 @@ def _clock(log: DrillingLog, columns: dict[str, np.ndarray], use: Use,
                          'time_per_row_s')
     clock = (clock - clock[0]) / use.speed_up
     keep = np.flatnonzero(np.concatenate(([True], np.diff(clock) > 0.0)))
+    if len(keep) < 2:
+        raise InputError(f'{log.source}: all rows are at one time or depth, or have none; state '
+                         'time_per_row_s')
     if len(keep) < count:
         notes.append(f'{count - len(keep)} rows at the same time as the row before left out')
     return clock[keep], keep

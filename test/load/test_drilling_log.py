@@ -64,6 +64,8 @@ def test_foreign_names():
     ('time[s],torque[bar]\n0,1\n1,2\n', 'unit \\[bar\\]'),
     ('time[s],torque[N.m]\n0,1\n5,1\n4,1\n', 'time runs back'),
     ('depth[m],torque[N.m]\n0,1\n5,1\n', 'state time_per_row_s'),
+    ('time[s],torque[N.m]\n,1\n,1\n', 'at one time or depth, or have none'),
+    ('depth[m],torque[N.m],rop[m/h]\n7,1,9\n7,1,9\n', 'at one time or depth, or have none'),
     ('depth[m],torque[N.m],rop[m/h]\n0,1,0\n5,1,\n', 'penetration rate above 0'),
 ))
 def test_bad_logs_get_one_line(text, what):
