@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 _OPERATORS = {ast.Add: '+', ast.Sub: '-', ast.Mult: '*', ast.Div: '/', ast.Lt: '<', ast.LtE: '<=',
               ast.Gt: '>', ast.GtE: '>=', ast.Eq: '==', ast.NotEq: '!=', ast.And: '&&',
-              ast.Or: '||', ast.USub: '-', ast.UAdd: '+', ast.Not: '!', ast.Mod: '%'}
+              ast.Or: '||', ast.USub: '-', ast.UAdd: '+', ast.Not: '!'}
 _MATH = {'sqrt': 'sqrt', 'exp': 'exp', 'tanh': 'tanh', 'sin': 'sin', 'cos': 'cos', 'log': 'log',
          'log10': 'log10', 'atan': 'atan', 'ceil': 'ceil', 'floor': 'floor', 'isnan': 'isnan',
          'hypot': 'hypot', 'copysign': 'copysign', 'tan': 'tan', 'sinh': 'sinh', 'cosh': 'cosh',
@@ -204,7 +204,7 @@ class _Function:
         if isinstance(node, ast.Return):
             return self._return(node)
         if isinstance(node, ast.AugAssign):
-            return [f'{self._expression(node.target)} {_OPERATORS[type(node.op)]}= '
+            return [f'{self._expression(node.target)} {self._sign(node.op, node)}= '
                     f'{self._expression(node.value)};']
         if isinstance(node, ast.Assign):
             return self._assign(node)
@@ -246,7 +246,8 @@ class _Function:
 
     def _for(self, node: ast.For) -> list[str]:
         call = node.iter
-        if not (isinstance(call, ast.Call) and ast.unparse(call.func) == 'range'):
+        if not (isinstance(call, ast.Call) and ast.unparse(call.func) == 'range'
+                and len(call.args) < 3):
             self._refuse(node)
         ends = [self._expression(entry) for entry in call.args]
         first, last = ('0', ends[0]) if len(ends) == 1 else ends[:2]
@@ -262,16 +263,17 @@ class _Function:
                 return repr(node.value)
         elif isinstance(node, ast.Name):
             return f'v_{node.id}' if node.id in ('on_', 'double', 'long') else node.id
-        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == 'math':
+        elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == 'math' and (
+                node.attr in _CONSTANTS):
             return _CONSTANTS[node.attr]
         elif isinstance(node, ast.Subscript):
             return self._subscript(node)
         elif isinstance(node, ast.UnaryOp):
-            return f'({_OPERATORS[type(node.op)]}{self._expression(node.operand)})'
+            return f'({self._sign(node.op, node)}{self._expression(node.operand)})'
         elif isinstance(node, ast.BinOp):
             return self._binary(node)
         elif isinstance(node, ast.BoolOp):
-            mark = f' {_OPERATORS[type(node.op)]} '
+            mark = f' {self._sign(node.op, node)} '
             return f'({mark.join(map(self._expression, node.values))})'
         elif isinstance(node, ast.IfExp):
             test, yes, no = map(self._expression, (node.test, node.body, node.orelse))
@@ -282,6 +284,11 @@ class _Function:
             return self._call(node)
         self._refuse(node)
         raise AssertionError
+
+    def _sign(self, operator: ast.AST, node: ast.AST) -> str:
+        if type(operator) not in _OPERATORS:
+            self._refuse(node)
+        return _OPERATORS[type(operator)]
 
     def _subscript(self, node: ast.Subscript) -> str:
         whole = ast.unparse(node)
@@ -301,12 +308,12 @@ class _Function:
             return f'pow({left}, {right})'
         if isinstance(node.op, ast.Div):
             return f'((double)({left}) / {right})'
-        return f'({left} {_OPERATORS[type(node.op)]} {right})'
+        return f'({left} {self._sign(node.op, node)} {right})'
 
     def _compare(self, node: ast.Compare) -> str:
         terms = [self._expression(entry) for entry in (node.left, *node.comparators)]
         return '(' + ' && '.join(
-            f'({first} {_OPERATORS[type(mark)]} {second})'
+            f'({first} {self._sign(mark, node)} {second})'
             for first, mark, second in zip(terms, node.ops, terms[1:])) + ')'
 
     def _call(self, node: ast.Call) -> str:

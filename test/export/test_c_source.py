@@ -57,7 +57,8 @@ def test_c_computes_what_python_computes(tmp_path):
 
 @pytest.mark.parametrize('line', [
     'x = [1, 2]', 'x = a if a else other(a)', 'x = math.gamma(a)', 'x = b[0]', 'import os',
-    'with a: pass', 'x = "text"', 'for x in a: pass', 'x = {}', 'del a'])
+    'with a: pass', 'x = "text"', 'for x in a: pass', 'x = {}', 'del a', 'x = a // 2', 'a **= 2',
+    'x = a % 2', 'x = math.foo', 'x = a is a', 'x = ~1', 'for x in range(9, 0, -1): pass'])
 def test_what_c_does_not_know_is_named(line):
     source = f'def f(a):\n    {line}\n    return a\n'
     with pytest.raises(Untranslatable, match='line 2: '):
