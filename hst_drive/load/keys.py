@@ -179,13 +179,13 @@ def _key(name: str, unit: str | None) -> str:
 
 def quantity(value, keys: Keys, key: str) -> float:
     """Return a number (SI) or a text with its unit ('12 N.m', '3.5 1/bar') in SI."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value)
     try:
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            return float(value)
         number, _, unit = str(value).strip().partition(' ')
         return float(to_si(float(number), unit))
     except UnitError as error:
         raise keys.fail(key, f'is {value!r}: {error}') from None
-    except ValueError:
+    except (ValueError, OverflowError):
         raise keys.fail(key, f'is {value!r}, expected a number in SI or a text such as '
                              "'12 N.m'") from None

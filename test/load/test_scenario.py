@@ -110,6 +110,7 @@ def test_other_units_of_the_same_kind():
     (('hidden_effects',), ['bearing_friction'], 'effect ids'),
     (('hidden_effects', 'bearing_friction', 'torque'), '12 Nmm', 'unknown unit'),
     (('hidden_effects', 'bearing_friction', 'torque'), 'much', 'expected a number in SI'),
+    (('hidden_effects', 'bearing_friction', 'torque'), 10**400, 'expected a number in SI'),
 ))
 def test_slips_get_one_line(path, value, what):
     with pytest.raises(InputError, match=what) as error:
