@@ -16,17 +16,16 @@ import numpy as np
 
 DATE = 'date'       # in the place of a unit: the column holds dates
 _DAY_FIRST = re.compile(r'(\d\d?)\.(\d\d?)\.(\d{4})')
-_ZONE = re.compile(r'\s*(Z|[+-]\d\d:?\d\d)$')
-_STAMP = re.compile(r'(?:(\S+?)[ T]+)?(\d\d?)(:\d\d.*)')    # day (or none), hour, the rest
+# Day (or none), hour, the rest, zone (or none).
+_STAMP = re.compile(r'(?:(\S+?)[ T]+)?(\d\d?)(:\d\d(?::\d\d(?:\.\d*)?)?)'
+                    r'\s*(?:Z|([+-]\d\d):?(\d\d)?)?')
 _NONE = np.datetime64('NaT')
 _FEW, _FASTER = 10, 0.95    # stamps; rows so much closer than stamps are rounded share stamps
 
 
 def seconds(cells: Sequence[str], rows: Sequence[int], path: str, column: str) -> np.ndarray:
     """
-    Return stamps as seconds since 1970, NaN where there is none.
-
-    A time zone is left out: only what lies between stamps counts.
+    Return stamps as seconds since 1970 (of UTC where they name a zone), NaN where there is none.
 
     Raises
     ------
@@ -51,15 +50,19 @@ def in_seconds(stamps: Any) -> np.ndarray:
 
 
 def _stamp(text: str) -> np.datetime64:
-    text = _ZONE.sub('', text.strip()).replace(',', '.')
+    text = text.strip().replace(',', '.')
     if not text:
         return _NONE
-    found = _STAMP.match(text)
+    found = _STAMP.fullmatch(text)
     if not found:
         raise ValueError(text)
-    day, hour, rest = found.groups('1970-01-01')
-    day = _DAY_FIRST.sub(lambda part: f'{part[3]}-{part[2]:0>2}-{part[1]:0>2}', day)
-    return np.datetime64(f'{day}T{hour:0>2}{rest}', 'ns')
+    day, hour, rest, east, minutes = found.groups()
+    day = _DAY_FIRST.sub(lambda part: f'{part[3]}-{part[2]:0>2}-{part[1]:0>2}',
+                         day or '1970-01-01')
+    stamp = np.datetime64(f'{day}T{hour:0>2}{rest}', 'ns')
+    if east:
+        stamp -= np.timedelta64(60 * int(east) + int(f'{east[0]}{minutes or 0}'), 'm')
+    return stamp
 
 
 def _no_date(cell: str, row: int, path: str, column: str) -> InputError:

@@ -262,3 +262,13 @@ def test_time_since_1970_is_written_to_the_microsecond(tmp_path):
     run = Run('r', 1.7e9 + 1e-3 * np.arange(50), {'motor_speed': np.arange(50.0)})
     write_csv(tmp_path / 'r.csv', run)
     np.testing.assert_allclose(read_csv(tmp_path / 'r.csv').time, run.time, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize('summer, winter', [('+02:00', '+01:00'), ('-0230', '-0330'),
+                                            ('+02', ' +01')])
+def test_a_clock_put_back_in_autumn_goes_on(tmp_path, summer, winter):
+    stamps = [*(f'2026-10-25 02:59:{k}{summer}' for k in range(50, 60)),
+              *(f'2026-10-25 02:00:0{k}{winter}' for k in range(10))]
+    rows = [f'{stamp},{k}' for k, stamp in enumerate(stamps)]
+    run = read_csv(save(tmp_path, 'time,motor_speed[rpm]', rows))
+    np.testing.assert_allclose(run.time, np.arange(20.0))
