@@ -39,7 +39,7 @@ def write_json(data: object, target: str | os.PathLike) -> None:
 def read_json(path: str) -> dict:
     """Read a JSON file; one line says what is wrong with it."""
     try:
-        return json.loads(Path(path).read_text(encoding='utf-8'))
+        return json.loads(Path(path).read_text(encoding='utf-8')) or {}
     except OSError as error:
         raise InputError(f'{path}: cannot be read ({error.strerror}); check the path') from None
     except ValueError as error:

@@ -1,7 +1,7 @@
 # Copyright 2026 hst_drive contributors
 # SPDX-License-Identifier: Apache-2.0
 """Files that people read and edit."""
-from hst_drive.report.files import write_yaml
+from hst_drive.report.files import read_json, write_yaml
 import yaml
 
 
@@ -11,3 +11,9 @@ def test_what_stands_twice_is_written_twice(tmp_path):
     write_yaml(content, tmp_path / 'rig.yaml')
     text = (tmp_path / 'rig.yaml').read_text(encoding='utf-8')
     assert '&' not in text and '*' not in text and yaml.safe_load(text) == content
+
+
+def test_a_file_that_holds_nothing_gives_a_mapping(tmp_path):
+    """'null' is JSON: who reads it says that its schema is missing."""
+    (tmp_path / 'd.json').write_text('null')
+    assert read_json(str(tmp_path / 'd.json')) == {}
