@@ -15,7 +15,6 @@ table leaves out as constants::
 from __future__ import annotations
 
 from collections.abc import Mapping
-import csv
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 import math
@@ -26,6 +25,7 @@ from typing import Any
 from hst_drive.bag.arrays import columns_of, numbers
 from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, picked, split_header
 from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
+from hst_drive.bag.csv_log import head_of
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
 from hst_drive.units import si_unit, to_si, UnitError
@@ -85,9 +85,7 @@ def read_points(path: str | os.PathLike[str],
     entries, constants, mapped = _map(channels) if channels else ({}, {}, '')
     lines, rows = read_lines(Path(path))
     separator = separator_of(lines[0])
-    header = [cell.strip() for cell in next(csv.reader([lines[0]], delimiter=separator))]
-    while header and not header[-1]:
-        header.pop()
+    header = head_of(lines[0], separator, str(path))
     picks, notes = _picks(header, entries, constants, str(path), mapped)
     if len(lines) == 1:
         raise InputError(f'{path}: has a header but no rows; expected one row per operating point')

@@ -12,7 +12,6 @@ spread evenly.
 from __future__ import annotations
 
 from collections.abc import Sequence
-import csv
 from difflib import get_close_matches
 from operator import methodcaller
 import os
@@ -92,7 +91,7 @@ class Layout(NamedTuple):
 def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layout:
     """Return what a header says, which the first line or the first two of a file hold."""
     separator = separator_of(lines[0])
-    header, second = (_cells(line, separator) for line in (*lines, '')[:2])
+    header, second = (head_of(line, separator, path) for line in (*lines, '')[:2])
     count = 1
     if _are_units(header) and not any(map(_is_number, second)):
         header, second = second, header
@@ -105,8 +104,9 @@ def layout_of(lines: Sequence[str], channel_map: ChannelMap, path: str) -> Layou
     return Layout(header, count, separator, picks, path, notes)
 
 
-def _cells(line: str, separator: str) -> list[str]:
-    cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+def head_of(line: str, separator: str, path: str) -> list[str]:
+    """Return the cells of a line at the top, without empty ones at its end."""
+    cells = [cell.strip() for cell in next(cells_of([line], [1], separator, path), [])]
     while cells and not cells[-1]:
         cells.pop()
     return cells

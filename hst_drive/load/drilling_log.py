@@ -72,8 +72,11 @@ def parse_drilling_log(text: str, source: str,
         Naming file, row and column.
 
     """
-    rows = csv.reader(io.StringIO('\n'.join(text.splitlines())))
-    header = [cell.strip() for cell in next(rows, [])]
+    try:
+        header, *rows = list(csv.reader(io.StringIO('\n'.join(text.splitlines())))) or [[]]
+    except csv.Error as error:
+        raise InputError(f'{source}: cannot be read ({error}); expected a CSV') from None
+    header = [cell.strip() for cell in header]
     if not any(header):
         raise InputError(f'{source}: is empty; expected a header and rows of a drilling log')
     places = _places(header, columns or {}, source)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """CSV recordings: what is written comes back, and what is wrong is said in one line."""
 from hst_drive.bag import read_csv, read_log, write_csv
+from hst_drive.bag.bench_table import read_points
 from hst_drive.bag.channels import ChannelMap
 from hst_drive.bag.csv_sections import csv_sections
 from hst_drive.channels import CHANNELS
@@ -272,3 +273,10 @@ def test_a_clock_put_back_in_autumn_goes_on(tmp_path, summer, winter):
     rows = [f'{stamp},{k}' for k, stamp in enumerate(stamps)]
     run = read_csv(save(tmp_path, 'time,motor_speed[rpm]', rows))
     np.testing.assert_allclose(run.time, np.arange(20.0))
+
+
+@pytest.mark.parametrize('reader', [
+    read_csv, read_points, lambda path: next(csv_sections(path, ChannelMap(), 10.0, 0.0, 0.0))])
+def test_a_line_of_hundreds_of_kilobytes_is_no_header(tmp_path, reader):
+    with pytest.raises(InputError, match='cannot be read up to row 1 .field larger'):
+        reader(save(tmp_path, 'x' * 200_000, ROWS))

@@ -56,7 +56,8 @@ def test_foreign_names():
 
 
 @pytest.mark.parametrize('text, what', (
-    ('', 'empty'), ('depth,torque\n1,2\n', 'no column for torque'),
+    ('', 'empty'), ('x' * 200000, 'expected a CSV'),
+    ('depth,torque\n1,2\n', 'no column for torque'),
     ('torque[N.m]\n1\n2\n', 'time or depth'),
     ('time[s],torque[N.m]\n0,1\n1,hard\n', "row 3, column 'torque\\[N.m\\]': found 'hard'"),
     ('time[s],torque[N.m]\n0,1\n1\n', 'row 3 has 1 cells'),
