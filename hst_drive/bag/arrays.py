@@ -55,10 +55,12 @@ def columns_of(table: Any, name: str) -> dict[str, Any]:
     """Return the columns of a table by their headers."""
     if hasattr(table, 'columns'):
         index = getattr(table, 'index', None)
-        if getattr(index, 'name', None) is not None:
+        named = getattr(index, 'name', None)
+        if named is None and len(table) and getattr(
+                getattr(index, 'dtype', None), 'kind', None) in ('m', 'M'):
+            table, named = table.rename_axis('time'), 'time'    # dates without a name
+        if named is not None and named not in table.columns:
             table = table.reset_index()
-        elif getattr(getattr(index, 'dtype', None), 'kind', '') in 'mM' and len(table):
-            table = table.rename_axis('time').reset_index()     # dates without a name
         keys = list(table.columns)
     else:
         keys = list(table)

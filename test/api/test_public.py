@@ -155,6 +155,20 @@ def test_dates_of_a_frame(log):
                                    atol=1e-6)
 
 
+def test_an_index_that_is_a_column_too_counts_once():
+    pandas = pytest.importorskip('pandas')
+    frame = pandas.DataFrame({'time[s]': np.arange(20.0), 'motor_speed[rpm]': np.arange(20.0)})
+    assert len(hd.read_log(frame.set_index('time[s]', drop=False)).run) == 20
+
+
+def test_a_frame_without_an_index():
+    """As other libraries have them."""
+    class Other(dict):
+        columns = ('time[s]', 'motor_speed[rpm]')
+
+    assert len(hd.read_log(Other(dict.fromkeys(Other.columns, np.arange(20.0)))).run) == 20
+
+
 def test_without_pandas(log, monkeypatch):
     """One line says what to install."""
     monkeypatch.setitem(sys.modules, 'pandas', None)
