@@ -54,6 +54,8 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         bag.take(streams)
     topics = []
     for timed in bag.timed():
+        if not timed.wanted:
+            continue
         bag.notes += disorder(timed.topic.topic, timed.stamps)
         topics.append(_Sorted.of(timed))
     topics.sort(key=lambda topic: topic.number)

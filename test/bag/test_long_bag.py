@@ -119,6 +119,22 @@ def test_a_command_that_was_sent_long_ago_still_holds(tmp_path):
           read_log(tmp_path / 'b'), 60.0, 5.0, 2.0)
 
 
+def test_a_denser_topic_of_which_nothing_is_wanted_does_not_count(tmp_path):
+    """A joint that tells its angle alone, recorded from 5 s before the others on."""
+    kind = 'sensor_msgs/msg/JointState'
+    codec = Codec(kind, find_definition(kind))
+    with BagWriter(tmp_path / 'b') as bag:
+        bag.add_topic('/d/motor', kind)
+        bag.add_topic('/d/pump_command', VECTOR)
+        for at in range(10**18, 10**18 + 200 * 10**9, 10**7):
+            bag.write('/d/motor', codec.encode({'header': {'stamp': {'sec': at // 10**9}},
+                                                'name': ['motor'], 'position': [1.0]}), at)
+            if at >= 10**18 + 5 * 10**9 and at % (2 * 10**7) == 0:
+                bag.write('/d/pump_command', vector(at, float(at % 7)), at)
+    check(list(bag_sections(tmp_path / 'b', ChannelMap(), 60.0, 5.0, 2.0)),
+          read_log(tmp_path / 'b'), 60.0, 5.0, 2.0)
+
+
 def test_a_full_disk_is_told(tmp_path):
     write_run(tmp_path / 'b', make_run(9000))
     code = ('import resource; from hst_drive.bag import ChannelMap; '
