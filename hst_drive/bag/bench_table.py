@@ -14,7 +14,7 @@ table leaves out as constants::
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 import math
@@ -24,11 +24,11 @@ from typing import Any
 
 from hst_drive.bag.arrays import columns_of, numbers
 from hst_drive.bag.channels import check_unit, Entry, entry_of, left_out, picked, split_header
-from hst_drive.bag.csv_lines import cells_of, read_lines, separator_of
-from hst_drive.bag.csv_log import head_of
+from hst_drive.bag.csv_lines import read_lines, separator_of
+from hst_drive.bag.csv_log import head_of, parse
 from hst_drive.errors import InputError
 from hst_drive.rig.yaml_file import read_yaml
-from hst_drive.units import si_unit, to_si, UnitError
+from hst_drive.units import si_unit, to_si
 import numpy as np
 
 # Quantity -> unit that people write; pressures are gauge.
@@ -38,7 +38,6 @@ QUANTITIES: dict[str, str] = {
     'case_drain_flow': 'L/min', 'pump_speed': 'rpm', 'pump_displacement': 'cc/rev',
     'motor_speed_reverse': 'rpm',
 }
-_MISSING = ('', 'nan', 'na', 'n/a', 'null', 'none', '-')
 
 
 @dataclass(frozen=True)
@@ -89,26 +88,10 @@ def read_points(path: str | os.PathLike[str],
     picks, notes = _picks(header, entries, constants, str(path), mapped)
     if len(lines) == 1:
         raise InputError(f'{path}: has a header but no rows; expected one row per operating point')
-    comma = separator != ',' and any(',' in line for line in lines[1:])
-    values = np.full((len(lines) - 1, len(picks)), np.nan)
-    for index, cells in enumerate(cells_of(lines[1:], rows[1:], separator, str(path))):
-        while len(cells) > len(header) and not cells[-1].strip():
-            cells.pop()
-        if len(cells) != len(header):
-            raise InputError(f'{path}: row {rows[index + 1]} has {len(cells)} cells, the header '
-                             f'{len(header)}; mend the row')
-        for place, (column, entry, unit) in enumerate(picks):
-            text = cells[column].strip()
-            if text.lower() in _MISSING:
-                continue
-            try:
-                number = float(text.replace(',', '.') if comma else text)
-            except ValueError:
-                raise InputError(f'{path}: row {rows[index + 1]}, column {header[column]!r}: '
-                                 f'expected a number, found {text[:40]!r}') from None
-            values[index, place] = entry.to_si(number, unit)
-    return _table_of(str(path), header, picks, [values[:, place] for place in range(len(picks))],
-                     np.array(rows[1:]), constants, notes)
+    values = parse(lines[1:], rows[1:], separator, header, [column for column, _, _ in picks],
+                   str(path))
+    return _table_of(str(path), header, picks, values.T, np.array(rows[1:len(values) + 1]),
+                     constants, notes)
 
 
 def points_of(table: Any, channels: str | os.PathLike[str] | Mapping | None = None,
@@ -127,16 +110,14 @@ def points_of(table: Any, channels: str | os.PathLike[str] | Mapping | None = No
     header = list(columns)
     picks, notes = _picks(header, entries, constants, name, mapped)
     values = numbers(columns, [header[column] for column, _, _ in picks], name)
-    return _table_of(name, header, picks, [
-        entry.to_si(column, unit) for column, (_, entry, unit) in zip(values, picks)],
-        np.arange(len(values[0])), constants, notes)
+    return _table_of(name, header, picks, values, np.arange(len(values[0])), constants, notes)
 
 
 def _table_of(source: str, header: list[str], picks: list[tuple[int, Entry, str]],
-              values: list[np.ndarray], lines: np.ndarray, constants: dict[str, float],
+              values: Iterable[np.ndarray], lines: np.ndarray, constants: dict[str, float],
               notes: list[str]) -> PointTable:
-    return PointTable(source, {entry.channel: column
-                               for (_, entry, _), column in zip(picks, values)},
+    return PointTable(source, {entry.channel: entry.to_si(column, unit)
+                               for (_, entry, unit), column in zip(picks, values)},
                       {entry.channel: header[place] for place, entry, _ in picks},
                       lines, constants, tuple(notes))
 
@@ -192,6 +173,6 @@ def _constant(value, where: str, unit: str) -> float:
         if math.isfinite(found):
             return found
         raise ValueError(number)
-    except (ValueError, UnitError):
+    except ValueError:
         raise InputError(f'{where} is {value!r}, expected a number with its unit, as '
                          f"'12 {unit}'") from None

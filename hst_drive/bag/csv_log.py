@@ -54,9 +54,9 @@ class Layout(NamedTuple):
         """
         places = [column for column, _, _ in self.picks]
         if not self.dated:
-            return self.in_si(_parse(lines, rows, self.separator, self.header, places, self.path),
+            return self.in_si(parse(lines, rows, self.separator, self.header, places, self.path),
                               rows, whole)
-        values = _parse(lines, rows, self.separator, self.header, places[1:], self.path)
+        values = parse(lines, rows, self.separator, self.header, places[1:], self.path)
         dates = [cells[places[0]] for cells in cells_of(lines, rows, self.separator, self.path)]
         time = seconds(dates, rows, self.path, self.header[places[0]])
         return self.in_si(np.column_stack([time, values]), rows, whole)
@@ -203,8 +203,8 @@ def _time_of(channel_map: ChannelMap, header: list[str],
         unit, 's', f'{path}: column {header[column]!r}')
 
 
-def _parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
-           columns: list[int], path: str) -> np.ndarray:
+def parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
+          columns: list[int], path: str) -> np.ndarray:
     """Return the numbers of the chosen columns, shape (rows, columns)."""
     comma = separator != ',' and any(',' in line for line in lines)
     plain = lines
