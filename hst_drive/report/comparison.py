@@ -116,28 +116,32 @@ def sentence(result: Comparison) -> str:
 
 
 def _table(signals: dict[str, ErrorSummary]) -> str:
-    rows = []
-    for name, entry in signals.items():
-        unit = CHANNELS[name].display
-        rows.append([f'{CHANNELS[name].title} [{unit}]',
-                     *(difference_from_si(value, unit) for value in (
-                         entry.rmse, entry.bias, entry.max_abs, entry.noise_std, entry.floor)),
-                     entry.noise_ratio, 100 * entry.fit,
-                     *(100 * value for value in entry.russell)])
     return table(['signal', 'rmse', 'bias', 'max', 'noise', 'floor', 'x floor', 'fit %',
-                  'Russell M %', 'P %', 'C %'], rows)
+                  'Russell M %', 'P %', 'C %'], [error_row(*item) for item in signals.items()])
+
+
+def error_row(name: str, entry: ErrorSummary) -> list:
+    """Return the row of a signal: title, five errors in its unit, over the floor, percentages."""
+    unit = CHANNELS[name].display
+    return [f'{CHANNELS[name].title} [{unit}]',
+            *(float(difference_from_si(value, unit)) for value in (
+                entry.rmse, entry.bias, entry.max_abs, entry.noise_std, entry.floor)),
+            entry.noise_ratio, 100 * entry.fit, *(100 * value for value in entry.russell)]
+
+
+def range_of(region: Region) -> tuple[str, float, float, str]:
+    """Return the variable that a region is a range of, its ends and their unit, for people."""
+    if region.variable == TRANSIENT:
+        return 'rate of pressure', region.low / 1e5, region.high / 1e5, 'bar/s'
+    channel = CHANNELS[region.variable]
+    return (channel.title, *(from_si(end, channel.display) for end in (region.low, region.high)),
+            channel.display)
 
 
 def _where(regions: list[Region]) -> str:
     rows = []
     for region in regions:
-        if region.variable == TRANSIENT:
-            title, unit, low, high = 'rate of pressure', 'bar/s', region.low / 1e5, \
-                region.high / 1e5
-        else:
-            channel = CHANNELS[region.variable]
-            title, unit = channel.title, channel.display
-            low, high = from_si(region.low, unit), from_si(region.high, unit)
+        title, low, high, unit = range_of(region)
         rows.append([CHANNELS[region.signal].title, f'{title} {low:.4g} to {high:.4g} {unit}',
                      f'{100 * region.share_of_error:.0f} %', f'{100 * region.share_of_time:.0f} %',
                      f'{100 * region.explained:.0f} %'])

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from hst_drive.channels import CHANNELS
 from hst_drive.measure.compare import Comparison, pooled
-from hst_drive.measure.where import Region, TRANSIENT
+from hst_drive.measure.where import Region
+from hst_drive.report.comparison import error_row, range_of
 from hst_drive.report.markup import element, join, Markup, note, number, plot, section, table
-from hst_drive.units import difference_from_si, from_si
 
 
 class Variant(NamedTuple):
@@ -33,12 +33,8 @@ def errors_section(variants: list[Variant], before: int = 0) -> Markup:
     for title, signals in shown:
         rows = []
         for name, entry in signals.items():
-            unit = CHANNELS[name].display
-            rows.append([f'{CHANNELS[name].title} [{unit}]', *(
-                float(difference_from_si(value, unit)) for value in (
-                    entry.rmse, entry.bias, entry.max_abs, entry.noise_std, entry.floor)),
-                _ratio(entry.noise_ratio), 100.0 * entry.fit,
-                *(100.0 * value for value in entry.russell)])
+            row = error_row(name, entry)
+            rows.append([*row[:6], _ratio(row[6]), *row[7:]])
         tables.append(table(['signal', 'rmse', 'bias', 'max', 'noise', 'floor', '× floor',
                              'fit %', 'Russell M %', 'P %', 'C %'], rows, title))
     return section('errors', 'How large the error is', *tables, note(
@@ -99,13 +95,7 @@ def where_section(variants: list[Variant]) -> Markup:
 
 
 def _region(region: Region) -> list[str]:
-    if region.variable == TRANSIENT:
-        title, unit = 'rate of pressure', 'bar/s'
-        low, high = region.low / 1e5, region.high / 1e5
-    else:
-        channel = CHANNELS[region.variable]
-        title, unit = channel.title, channel.display
-        low, high = from_si(region.low, unit), from_si(region.high, unit)
+    title, low, high, unit = range_of(region)
     return [CHANNELS[region.signal].title, f'{title} {number(low)} to {number(high)} {unit}',
             *(f'{100 * share:.0f} %' for share in (
                 region.share_of_error, region.share_of_time, region.explained))]
