@@ -3,6 +3,7 @@
 """Profiles out of a scenario's sections, and the random or composed ones."""
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 from hst_drive.load.keys import Keys
@@ -80,14 +81,6 @@ def _points(keys, what, duration, seed, salt, hold):
     return Points(times, values, hold)
 
 
-def _steps(*arguments):
-    return _points(*arguments, hold='zero')
-
-
-def _ramps(*arguments):
-    return _points(*arguments, hold='linear')
-
-
 def _sine(keys, what, duration, seed, salt):
     return Sine(_value(keys, what, 'mean_'), _difference(keys, what),
                 keys.number('frequency', 'Hz', low=0.0, high=1e4))
@@ -121,4 +114,6 @@ def _sequence(keys, what, duration, seed, salt):
     return Sequenced(parts)
 
 
-_BUILD = dict(zip(KINDS, (_constant, _steps, _ramps, _sine, _chirp, _random, _sum, _sequence)))
+_BUILD = dict(zip(KINDS, (
+    _constant, partial(_points, hold='zero'), partial(_points, hold='linear'), _sine, _chirp,
+    _random, _sum, _sequence)))

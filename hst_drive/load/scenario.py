@@ -82,12 +82,10 @@ class LoadProfile:
 
     def _limits(self) -> tuple[str, ...]:
         times = np.linspace(0.0, self.duration, 2000)
-        speeds = self.speed.sample(times)
+        speeds, places = np.unique(self.speed.sample(times), return_inverse=True)
         asked = self._torque.sample(times)
-        ranges = {speed: self.unit.torque_range(speed) for speed in np.unique(speeds).tolist()} \
-            if len(np.unique(speeds)) < 200 else None
-        low, high = np.array([ranges[speed] if ranges else self.unit.torque_range(speed)
-                              for speed in speeds.tolist()]).T
+        low, high = np.array([self.unit.torque_range(speed) for speed in speeds.tolist()])[
+            places].T
         notes = []
         for beyond, bound, word in ((low - asked, low, 'least'), (asked - high, high, 'greatest')):
             worst = int(np.argmax(beyond))

@@ -42,7 +42,8 @@ def chosen(identity: str | None = None, rig: Rig | None = None) -> dict[str, Eff
 
 def text(effects: dict[str, Effect], identity: str | None = None) -> str:
     """Return effects as a table, or the explanation of the one that was asked for."""
-    return _listing(effects) if identity is None else _explanation(effects[identity])
+    return (table(_HEADER, _rows(effects)) if identity is None
+            else _explanation(effects[identity]))
 
 
 def html(effects: dict[str, Effect], identity: str | None = None) -> str:
@@ -55,10 +56,6 @@ def html(effects: dict[str, Effect], identity: str | None = None) -> str:
     return str(markup.element('h3', f'{effect.id}: {effect.title}')
                + markup.element('dl', markup.join(facts))
                + markup.table(_COLUMNS, _parameters(effect)))
-
-
-def _listing(effects: dict[str, Effect]) -> str:
-    return table(_HEADER, _rows(effects))
 
 
 def _rows(effects: dict[str, Effect]) -> list[tuple[str, ...]]:

@@ -81,32 +81,25 @@ def write_text(text: str, target: str | os.PathLike) -> None:
         sys.stdout.write(text)
         return
     path = Path(target)
-    if path.exists() and not path.is_file():
-        # /dev/stdout, a named pipe: nothing to replace. A folder is refused by open().
-        _write(path, text)
-        return
     scratch = None
     try:
+        if path.exists() and not path.is_file():
+            # /dev/stdout, a named pipe: nothing to replace. A folder is refused by open().
+            path.write_text(text, encoding='utf-8')
+            return
         handle, scratch = tempfile.mkstemp(dir=path.parent, prefix=f'.{path.name}.')
         with open(handle, 'w', encoding='utf-8') as stream:
             # mkstemp makes files that nobody else may read.
             os.chmod(scratch, 0o666 & ~_umask())
             stream.write(text)
         os.replace(scratch, path)
+    except BrokenPipeError:
+        raise
     except OSError as problem:
         raise _unwritable(path, problem) from problem
     finally:
         if scratch is not None and os.path.exists(scratch):
             os.unlink(scratch)
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding='utf-8')
-    except BrokenPipeError:
-        raise
-    except OSError as problem:
-        raise _unwritable(path, problem) from problem
 
 
 def _unwritable(path: Path, problem: OSError) -> InputError:

@@ -18,12 +18,12 @@ import numpy as np
 _COLOURS = (*COLOURS, '#999999')     # one per motor
 MARKS = ('o', 's', '^', 'D', 'v', 'P', 'X', '*')
 LINES = ('-', '--', '-.', ':')
-_RESISTANCE = 1e5 * 60e3        # Pa.s/m^3 of 1 bar/(L/min)
+_PER_RESISTANCE = from_si(1.0, 'bar/(L/min)')
 # Rows of the page: quantity, title with unit, factor, log scale, first figure of the paper, the
 # figure of its fourth column.
-_ROWS = (('R_el', 'R_el [bar/(L/min)]', 1 / _RESISTANCE, True, 6, 9),
-         ('R_1', 'R_1 [bar/(L/min)]', 1 / _RESISTANCE, True, 10, 13),
-         ('R_2', 'R_2 [bar/(L/min)]', 1 / _RESISTANCE, True, 14, 17),
+_ROWS = (('R_el', 'R_el [bar/(L/min)]', _PER_RESISTANCE, True, 6, 9),
+         ('R_1', 'R_1 [bar/(L/min)]', _PER_RESISTANCE, True, 10, 13),
+         ('R_2', 'R_2 [bar/(L/min)]', _PER_RESISTANCE, True, 14, 17),
          ('slip', 'slip [%]', 100.0, False, 18, 27),
          ('torque_loss', 'torque loss [%]', 100.0, False, 21, 27),
          ('efficiency', 'overall efficiency [%]', 100.0, False, 24, 27))

@@ -14,8 +14,6 @@ from hst_drive.losses.verdict import Verdict, verdict
 from hst_drive.report.terminal import table
 from hst_drive.units import from_si
 
-_RESISTANCE = 1e5 * 60e3        # Pa.s/m^3 of 1 bar/(L/min)
-
 
 def as_json(bench: Bench, oil: str, found: Resistances, study: Study | None) -> dict:
     """Return what a bench table says as the verb ``losses --json`` writes it, SI."""
@@ -77,7 +75,7 @@ def _rows(bench: Bench, found: Resistances) -> str:
     body = [[int(bench.lines[k]), from_si(bench.displacement[k], 'cc/rev'),
              from_si(bench.temperature[k], 'degC'), bench.load_torque[k],
              from_si(bench.speed[k], 'rpm'),
-             *(values[k] / _RESISTANCE for values in (
+             *(from_si(values[k], 'bar/(L/min)') for values in (
                  found.external, found.inlet, found.internal, found.total))]
             for k in range(len(bench))]
     return table(['row', 'cc/rev', 'degC', 'N.m', 'rpm', 'R_el', 'R_1', 'R_2',
