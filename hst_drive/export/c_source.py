@@ -11,16 +11,15 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 _OPERATORS = {ast.Add: '+', ast.Sub: '-', ast.Mult: '*', ast.Div: '/', ast.Lt: '<', ast.LtE: '<=',
               ast.Gt: '>', ast.GtE: '>=', ast.Eq: '==', ast.NotEq: '!=', ast.And: '&&',
               ast.Or: '||', ast.USub: '-', ast.UAdd: '+', ast.Not: '!'}
-_MATH = {'sqrt': 'sqrt', 'exp': 'exp', 'tanh': 'tanh', 'sin': 'sin', 'cos': 'cos', 'log': 'log',
-         'log10': 'log10', 'atan': 'atan', 'ceil': 'ceil', 'floor': 'floor', 'isnan': 'isnan',
-         'hypot': 'hypot', 'copysign': 'copysign', 'tan': 'tan', 'sinh': 'sinh', 'cosh': 'cosh',
-         'atan2': 'atan2', 'pow': 'pow', 'fabs': 'fabs', 'asin': 'asin', 'acos': 'acos',
-         'expm1': 'expm1', 'log1p': 'log1p'}
+# Of math, called alike in C.
+_MATH = {'sqrt', 'exp', 'tanh', 'sin', 'cos', 'log', 'log10', 'atan', 'ceil', 'floor', 'isnan',
+         'hypot', 'copysign', 'tan', 'sinh', 'cosh', 'atan2', 'pow', 'fabs', 'asin', 'acos',
+         'expm1', 'log1p'}
 _CONSTANTS = {'pi': '3.14159265358979323846', 'nan': 'NAN', 'inf': 'INFINITY',
               'e': '2.71828182845904523536', 'tau': '6.28318530717958647693'}
 PROLOGUE = """#include <math.h>
@@ -111,7 +110,8 @@ class _Function:
         self._width = known.widths[node.name]
         self._arguments = [entry.arg for entry in node.args.args]
         self._whole = {name for name in self._arguments if name in known.integers}
-        self._types = dict.fromkeys(self._assigned(node), 'double')
+        self._types = {entry.id: 'double' for entry in ast.walk(node)
+                       if isinstance(entry, ast.Name) and isinstance(entry.ctx, ast.Store)}
         # Whole numbers first known make others known.
         while self._settle(node):
             pass
@@ -125,11 +125,6 @@ class _Function:
         declared = [f'    {kind} {name} = 0;' for name, kind in self._types.items()
                     if name not in self._arguments]
         self.text = '\n'.join([self.head, '{', *declared, *self._block(node.body, 1), '}', ''])
-
-    def _assigned(self, node: ast.FunctionDef) -> list[str]:
-        return list(dict.fromkeys(
-            entry.id for entry in ast.walk(node)
-            if isinstance(entry, ast.Name) and isinstance(entry.ctx, ast.Store)))
 
     def _settle(self, node: ast.FunctionDef) -> bool:
         """Find variables that only ever get whole numbers; say whether there was a new one."""
@@ -184,7 +179,7 @@ class _Function:
             self._refuse(node)
         return self._known.arrays[name]
 
-    def _refuse(self, node: ast.AST) -> None:
+    def _refuse(self, node: ast.AST) -> NoReturn:
         raise Untranslatable(f'line {getattr(node, "lineno", 0)}: {ast.unparse(node)[:60]!r} '
                              f'({type(node).__name__}) is nothing that can be said in C here')
 
@@ -218,7 +213,6 @@ class _Function:
         if isinstance(node, ast.For):
             return self._for(node)
         self._refuse(node)
-        raise AssertionError
 
     def _return(self, node: ast.Return) -> list[str]:
         if node.value is None:
@@ -262,7 +256,7 @@ class _Function:
             if isinstance(node.value, (int, float)):
                 return repr(node.value)
         elif isinstance(node, ast.Name):
-            return f'v_{node.id}' if node.id in ('on_', 'double', 'long') else node.id
+            return node.id
         elif isinstance(node, ast.Attribute) and ast.unparse(node.value) == 'math' and (
                 node.attr in _CONSTANTS):
             return _CONSTANTS[node.attr]
@@ -283,7 +277,6 @@ class _Function:
         elif isinstance(node, ast.Call):
             return self._call(node)
         self._refuse(node)
-        raise AssertionError
 
     def _sign(self, operator: ast.AST, node: ast.AST) -> str:
         if type(operator) not in _OPERATORS:
@@ -321,7 +314,7 @@ class _Function:
         if isinstance(node.func, ast.Attribute) and ast.unparse(node.func.value) == 'math':
             if node.func.attr not in _MATH:
                 self._refuse(node)
-            return f'{_MATH[node.func.attr]}({", ".join(values)})'
+            return f'{node.func.attr}({", ".join(values)})'
         name = ast.unparse(node.func)
         whole = self._is_whole(node)
         if name in ('min', 'max'):
