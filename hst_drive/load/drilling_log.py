@@ -194,8 +194,9 @@ def to_profile(log: DrillingLog, use: Use) -> tuple[Points, tuple[str, ...]]:
     torque = columns['torque']
     missing = int(np.isnan(torque).sum())
     if missing:
+        gap = int(np.diff(np.flatnonzero(np.isfinite(torque))).max()) - 1
         notes.append(f'{missing} of {len(torque)} rows without torque, the longest gap '
-                     f'{_longest_gap(torque)} rows, bridged by straight lines')
+                     f'{gap} rows, bridged by straight lines')
         torque = _bridge(torque)
     time, keep = _clock(log, columns, use, notes)
     return Points((use.start + time).tolist(), _scale(log, torque[keep], use, notes).tolist()), \
@@ -286,8 +287,3 @@ def _bridge(values: np.ndarray) -> np.ndarray:
         return np.zeros_like(values)
     places = np.arange(len(values))
     return np.interp(places, places[good], values[good])
-
-
-def _longest_gap(values: np.ndarray) -> int:
-    edges = np.flatnonzero(np.isfinite(values))
-    return int(np.diff(edges).max()) - 1

@@ -109,7 +109,7 @@ class Bit:
         return work * self.area * self.cut(strength) / _REV
 
 
-class Ground(Profile):
+class Ground(Points):
     """
     Bit torque over time in layered ground, at the hydromotor shaft, N.m.
 
@@ -158,19 +158,11 @@ class Ground(Profile):
         self.strength = np.interp(self.depth, grid, rock)
         self.torque = scale * (bit.free_torque + np.where(
             turning > 0.0, bit.cutting_torque(self.strength), 0.0))
-        self._points = Points(self.time, self.torque)
+        super().__init__(self.time, self.torque)
         self.notes: tuple[str, ...] = ()
         if self.depth[-1] > top:
             self.notes = (f'the bit leaves the described ground at {top:.4g} m; the last layer '
                           f'is drilled on to {self.depth[-1]:.4g} m',)
-
-    def __call__(self, t: float) -> float:
-        """Return the torque at ``t`` (s)."""
-        return self._points(t)
-
-    def sample(self, times) -> np.ndarray:
-        """Return the torque at many times."""
-        return self._points.sample(times)
 
 
 def _cumulative(rate: np.ndarray, x: np.ndarray) -> np.ndarray:

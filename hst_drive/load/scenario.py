@@ -46,6 +46,8 @@ class LoadProfile:
 
     Attributes
     ----------
+    torque_profile : Profile or None
+        The torque that is asked for; None where the command is given.
     notes : tuple of str
         With a line for each limit of the loading unit that the torque would pass.
 
@@ -57,33 +59,28 @@ class LoadProfile:
         if (torque is None) == (command is None):
             raise ValueError('expected either a torque or a command')
         self.unit, self.speed, self.duration, self.title = unit, speed, duration, title
-        self._torque, self._command = torque, command
+        self.torque_profile, self._command = torque, command
         if unit is None and torque is None:
             raise ValueError('a command needs a loading unit')
         self.notes = notes + (self._limits() if unit and torque is not None else ())
-
-    @property
-    def torque_profile(self) -> Profile | None:
-        """The torque that is asked for; None where the command is given."""
-        return self._torque
 
     def pprv_command(self, t: float) -> float:
         """Return the PPRV command at ``t`` (s), V."""
         if self._command is not None:
             limits = self.unit.command
             return min(max(self._command(t), limits[0]), limits[-1])
-        return self.unit.command_of_torque(self._torque(t), self.speed(t))
+        return self.unit.command_of_torque(self.torque_profile(t), self.speed(t))
 
     def torque(self, t: float) -> float:
         """Return the torque that is asked for at ``t`` (s), or that the command gives, N.m."""
-        if self._torque is not None:
-            return self._torque(t)
+        if self.torque_profile is not None:
+            return self.torque_profile(t)
         return self.unit.torque_of_command(self.pprv_command(t), self.speed(t))
 
     def _limits(self) -> tuple[str, ...]:
         times = np.linspace(0.0, self.duration, 2000)
         speeds, places = np.unique(self.speed.sample(times), return_inverse=True)
-        asked = self._torque.sample(times)
+        asked = self.torque_profile.sample(times)
         low, high = np.array([self.unit.torque_range(speed) for speed in speeds.tolist()])[
             places].T
         notes = []
