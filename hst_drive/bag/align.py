@@ -108,7 +108,7 @@ def _interruptions(time: np.ndarray, source: str) -> list[str]:
 
 
 def in_order(signal: Signal, notes: list[str]) -> Signal:
-    """Return the signal with rising stamps and without NaN, noting what was done."""
+    """Return the signal with rising stamps, noting what was done."""
     stamps, values = signal.stamps, signal.values
     if len(stamps) and not np.all(np.diff(stamps) > 0):
         order = np.argsort(stamps, kind='stable')

@@ -83,7 +83,7 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True)
 class ChannelMap:
-    """Entries by channel (``'time'`` for the time column), and the file that they come from."""
+    """Entries by channel, that of the time column, and the file that they come from."""
 
     entries: Mapping[str, Entry] = field(default_factory=dict)
     time: Entry | None = None

@@ -76,7 +76,7 @@ class Layout(NamedTuple):
 
     def in_si(self, columns: np.ndarray, rows: Sequence[int], whole: bool = False) -> tuple[
             np.ndarray, dict[str, np.ndarray]]:
-        """Do the same with the numbers of the picked columns, shape (rows, picks)."""
+        """Return what ``read`` does from the numbers of the picked columns, (rows, picks)."""
         values = [entry.to_si(columns[:, index], 's' if unit == DATE else unit)
                   for index, (_, entry, unit) in enumerate(self.picks)]
         if whole:
@@ -221,7 +221,7 @@ def parse(lines: Sequence[str], rows: Sequence[int], separator: str, header: lis
 
 def _parse_slowly(lines: Sequence[str], rows: Sequence[int], separator: str, header: list[str],
                   columns: list[int], path: str) -> np.ndarray:
-    """Do the same cell by cell: for missing samples, quotes, and to say what is wrong."""
+    """Do what ``parse`` does cell by cell: for gaps, quotes, and to say what is wrong."""
     out = np.empty((len(lines), len(columns)))
     for index, cells in enumerate(cells_of(lines, rows, separator, path)):
         while len(cells) > len(header) and not cells[-1].strip():

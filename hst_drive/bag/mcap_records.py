@@ -82,8 +82,6 @@ class Collector:
     ----------
     messages : int
         How many are held.
-    taken : int
-        How many came so far.
 
     """
 
@@ -92,7 +90,7 @@ class Collector:
         self._schemas: dict[int, Schema] = {}
         self._streams: dict[int, Stream] = {}
         self._targets: dict[int, Stream] = {}
-        self.messages = self.taken = 0
+        self.messages = self._taken = 0
 
     def block(self) -> list[Stream]:
         """Return the streams with what came since the last block."""
@@ -139,9 +137,9 @@ class Collector:
             stream.data.append(body[start + MESSAGE.size:end])
             stream.log_time.append(log_time)
             stream.publish_time.append(publish_time)
-            stream.order.append(self.taken)
+            stream.order.append(self._taken)
             self.messages += 1
-            self.taken += 1
+            self._taken += 1
 
     def _split(self, data: bytes, partial: bool) -> None:
         at, size = 0, len(data)

@@ -261,7 +261,7 @@ def _may_be_empty(pick: Pick) -> bool:
 
 
 def _usable(times: np.ndarray | None) -> bool:
-    """Tell whether stamps are filled in: not all zero, and not one and the same all over."""
+    """Tell whether stamps are filled in: at least half of them differ from the one before."""
     return times is not None and (len(times) == 1 or np.count_nonzero(
         np.diff(times)) >= 0.5 * (len(times) - 1))
 

@@ -67,11 +67,11 @@ def ladder_figure(steps: Sequence[Step], path: str | Path, title: str = '') -> N
     save(figure, path)
 
 
-def _wrapped(name: str, width: int = 14) -> str:
-    """Return a name on several lines where it is long."""
+def _wrapped(name: str) -> str:
+    """Return a name on several lines where it is longer than 14 characters."""
     lines = ['']
     for word in name.replace('_', '_ ').split(' '):
-        if lines[-1] and len(lines[-1]) + len(word) > width:
+        if lines[-1] and len(lines[-1]) + len(word) > 14:
             lines.append('')
         lines[-1] += word if lines[-1].endswith('_') or not lines[-1] else f' {word}'
     return '\n'.join(lines)

@@ -32,7 +32,7 @@ def variants_of(content: dict, rig: Rig, runs: Sequence[Run], given: Comparison,
     progress : callable
         Called with a text while the work goes on.
     before : int
-        See there.
+        So many of the logs, the last, are older: of the machine as it was.
 
     """
     present = len(runs) - before
