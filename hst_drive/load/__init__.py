@@ -2,9 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the drive has to turn against: rock, steps, recorded torque, and the scenario of a run."""
 from hst_drive.load.files import load_scenario, shipped_scenarios
-from hst_drive.load.ground import Bit, Ground, Layer
 from hst_drive.load.loading_unit import LoadingUnit
-from hst_drive.load.scenario import LoadProfile, parse_scenario, Scenario
+from hst_drive.load.scenario import parse_scenario, Scenario
 
-__all__ = ['Bit', 'Ground', 'Layer', 'LoadingUnit', 'LoadProfile', 'load_scenario',
-           'parse_scenario', 'Scenario', 'shipped_scenarios']
+__all__ = ['LoadingUnit', 'load_scenario', 'parse_scenario', 'Scenario', 'shipped_scenarios']

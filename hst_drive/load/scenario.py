@@ -39,8 +39,6 @@ class LoadProfile:
         At the hydromotor shaft, N.m.
     command : Profile, optional
         V.
-    title : str
-        For people.
     notes : tuple of str
         What was done to the data.
 
@@ -55,10 +53,10 @@ class LoadProfile:
 
     def __init__(self, unit: LoadingUnit | None, speed: Profile, duration: float, *,
                  torque: Profile | None = None, command: Profile | None = None,
-                 title: str = '', notes: tuple[str, ...] = ()):
+                 notes: tuple[str, ...] = ()):
         if (torque is None) == (command is None):
             raise ValueError('expected either a torque or a command')
-        self.unit, self.speed, self.duration, self.title = unit, speed, duration, title
+        self.unit, self.speed, self.duration = unit, speed, duration
         self.torque_profile, self._command = torque, command
         if unit is None and torque is None:
             raise ValueError('a command needs a loading unit')
@@ -230,7 +228,7 @@ def parse_scenario(content: dict, unit: LoadingUnit | None, source: str = 'scena
         raise keys.fail('duration_s', 'is missing; add it')
     if start == KIND:
         start = 'steady' if recorded.turns(speed) else 'rest'
-    load = LoadProfile(unit, speed, duration, torque=torque, command=pprv, title=title,
+    load = LoadProfile(unit, speed, duration, torque=torque, command=pprv,
                        notes=(*recorded.notes, *notes))
     return Scenario(title, duration, seed, mode, start, speed, temperature, load, command,
                     effects, description, source)

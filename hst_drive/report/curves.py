@@ -17,7 +17,7 @@ _BUDGET = 1_600_000         # of a page: 4 bytes each, and a third more as text:
 INPUTS = ('pump_command', 'pprv_command', 'speed_setpoint', 'oil_temperature')
 
 
-def points_each(logs: Sequence[LogComparison], models: int = 1) -> int:
+def points_each(logs: Sequence[LogComparison], models: int) -> int:
     """Return how many points a curve of a page may have."""
     curves = sum(len(log.signals) * (1 + 2 * models) + len(INPUTS) for log in logs)
     return int(min(max(_BUDGET / max(curves, 1), _FEWEST), POINTS))

@@ -17,7 +17,7 @@ def size(value: float, unit: str, digits: int = 4) -> tuple[str, str]:
     return f'{shown:.{digits}g}', read
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[object]], *, digits: int = 3) -> str:
+def table(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     """
     Return a table for a terminal.
 
@@ -26,13 +26,10 @@ def table(header: Sequence[str], rows: Sequence[Sequence[object]], *, digits: in
     header : sequence of str, length n
         Titles of the columns, unit included.
     rows : sequence of sequences, each of length n
-        Text, or numbers, which are shown with ``digits`` significant digits; None and NaN show
-        as a dash.
-    digits : int
-        Significant digits of floats.
+        Text, or numbers, which are shown with 3 significant digits; None and NaN show as a dash.
 
     """
-    cells = [[_cell(value, digits) for value in row] for row in rows]
+    cells = [[_cell(value) for value in row] for row in rows]
     for row in cells:
         if len(row) != len(header):
             raise ValueError(f'a row of {len(row)} in a table of {len(header)} columns')
@@ -48,7 +45,7 @@ def _is_number(value: object) -> bool:
     return value is None or (hasattr(value, '__float__') and not isinstance(value, (bool, str)))
 
 
-def _cell(value: object, digits: int) -> str:
+def _cell(value: object) -> str:
     if value is None:
         return MISSING
     if isinstance(value, bool):
@@ -59,9 +56,9 @@ def _cell(value: object, digits: int) -> str:
     if not math.isfinite(number):
         return MISSING if math.isnan(number) else f'{number:+}'
     if number and not 1e-4 <= abs(number) < 1e7:
-        return f'{number:.{digits - 1}e}'
+        return f'{number:.2e}'
     magnitude = math.floor(math.log10(abs(number))) if number else 0
-    return f'{number:.{max(digits - 1 - magnitude, 0)}f}'
+    return f'{number:.{max(2 - magnitude, 0)}f}'
 
 
 def _line(cells: Sequence[str], widths: Sequence[int], numeric: Sequence[bool]) -> str:
