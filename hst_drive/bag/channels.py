@@ -33,7 +33,7 @@ A map is a YAML file (``config/channels_example.yaml``)::
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 import os
@@ -150,6 +150,12 @@ def parts_of(channel_map: ChannelMap, channel: str) -> list[Entry]:
     """Return the entry of a channel, and that of what is taken off it if there is one."""
     return [channel_map.entries[name] for name in (channel, channel + _MINUS)
             if name in channel_map.entries]
+
+
+def lone(channel_map: ChannelMap, there: Container[str]) -> list[str]:
+    """Return the channels that are there without what the map takes off them."""
+    return [name.removesuffix(_MINUS) for name in channel_map.entries if name.endswith(_MINUS)
+            and name not in there and name.removesuffix(_MINUS) in there]
 
 
 def differences(channels: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

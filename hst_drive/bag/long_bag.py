@@ -69,8 +69,8 @@ def bag_sections(path: str | os.PathLike[str], channel_map: ChannelMap, seconds:
         rows = [base.place(origin + 1e9 * edge) for edge in (start, end)]
         low, high = origin + 1e9 * (start - before), origin + 1e9 * (end + after)
         if rows[1] > rows[0] and base.place(high) - base.place(low) >= MIN_ROWS:
-            signals = [signal for topic in topics
-                       for signal in topic.signals(low, high, bag.notes)]
+            signals = bag.whole([signal for topic in topics
+                                 for signal in topic.signals(low, high, bag.notes)])
             if signals:
                 yield Section(align(signals, path.stem, str(path), bag.notes, origin), start, end)
         if np.isinf(end):

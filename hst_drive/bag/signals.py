@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from hst_drive.bag.align import align, alternates, Signal
-from hst_drive.bag.channels import channel_of, ChannelMap
+from hst_drive.bag.channels import channel_of, ChannelMap, lone
 from hst_drive.bag.clock import set_forward_again
 from hst_drive.bag.picks import (all_picks, Key, mapped_pick, own_fields, Pick, refuse_beyond,
                                  refuse_joints)
@@ -113,12 +113,21 @@ class BagSignals:
 
     def signals(self) -> list[Signal]:
         """Return the signals of all that was taken; raises as ``timed`` does."""
-        signals = [signal for timed in sorted(self.timed())
-                   for signal in signals_of(timed.topic, timed.wanted, timed.stamps,
-                                            timed.topic.numbers, self.notes)]
+        signals = self.whole([
+            signal for timed in sorted(self.timed()) for signal in signals_of(
+                timed.topic, timed.wanted, timed.stamps, timed.topic.numbers, self.notes)])
         if not signals:
             raise InputError(f'{self._path}: none of our topics holds one signal alone')
         return signals
+
+    def whole(self, signals: list[Signal]) -> list[Signal]:
+        """Return signals without those of which what is taken off them is missing."""
+        halves = lone(self._map, {signal.channel for signal in signals})
+        for name in halves:
+            note = f'{name}: what the map takes off it is missing; left out'
+            if note not in self.notes:
+                self.notes.append(note)
+        return [signal for signal in signals if signal.channel not in halves]
 
     def timed(self) -> Iterator[Timed]:
         """

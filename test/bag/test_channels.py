@@ -7,6 +7,7 @@ from hst_drive.bag import load_channel_map, read_log
 from hst_drive.bag.cdr import Codec
 from hst_drive.bag.channels import parse_channel_map
 from hst_drive.bag.definitions import find_definition
+from hst_drive.bag.long_bag import bag_sections
 from hst_drive.bag.topics import CHANNEL_FIELDS, markdown, STANDARD_UNITS, TOPICS
 from hst_drive.channels import CHANNELS
 from hst_drive.errors import InputError
@@ -219,3 +220,23 @@ def test_the_documented_table_is_the_table():
     assert all(f'`{topic.full_name()}`' in markdown() for topic in TOPICS.values())
     page = Path(__file__).resolve().parents[2] / 'docs' / 'topics.md'
     assert markdown() in page.read_text(encoding='utf-8')
+
+
+@pytest.mark.parametrize('silent', [False, True])
+def test_a_difference_without_its_second_half_is_left_out(tmp_path, silent):
+    """A topic without messages, or of two publishers: the first half alone is another thing."""
+    codec = Codec(PRESSURE, find_definition(PRESSURE))
+
+    def sent(values):
+        return PRESSURE, [(at, codec.encode({'header': stamp(at), 'fluid_pressure': value}))
+                          for at, value in zip(TIMES, values)]
+    write_bag(tmp_path / 'b', {
+        '/a': sent([3e7] * 40), '/b': sent([] if silent else [9e6, 2e7] * 20),
+        '/c': sent([3e5] * 40)})
+    mapped = parse_channel_map({'channels': {
+        'motor_inlet_pressure': {'minus': ['/a.fluid_pressure', '/b.fluid_pressure']},
+        'motor_outlet_pressure': '/c.fluid_pressure'}})
+    for run in (read_log(tmp_path / 'b', mapped),
+                next(bag_sections(tmp_path / 'b', mapped, 60.0, 5.0, 2.0)).run):
+        assert [*run.channels] == ['motor_outlet_pressure']
+        assert 'motor_inlet_pressure: what the map takes off it is missing; left out' in run.notes
