@@ -57,7 +57,8 @@ def sentence(verdict: str, effects: Sequence[Found], ladder: Sequence[Step],
     if verdict in ('missing_effect', 'ambiguous'):
         new = '' if not lacks else f'Since it was commissioned the machine has got {lacks}.' \
             if commissioned else f'The model lacks {lacks}.'
-        end = _or_the_unit(unit[0], limited, commissioned) if unit else f'{falls}{_stays(last)}'
+        end = _or_the_unit(unit[0], limited, commissioned, bool(sure)) if unit else \
+            f'{falls}{_stays(last)}'
         return ' '.join(filter(None, [changed, new, end]))
     place = ''
     if remaining:
@@ -103,14 +104,15 @@ def _nothing(ratios: Mapping[str, float], worst: str, hidden: Sequence[str],
                f'{ratios[worst]:.2f} times).' if clean else f'.{_stays(ratios)}'))
 
 
-def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool) -> str:
-    """Say that the unit is at its limits, or an effect is missing."""
+def _or_the_unit(found: Found, limited: Sequence[str], commissioned: bool,
+                 beside: bool) -> str:
+    """Say that the unit is at its limits, or an effect is missing, ``beside`` others or alone."""
     others = [name for name in found.indistinguishable_from if name != UNIT_ALONE]
     names = ' or '.join([f'{found.id} ({catalogue()[found.id].title})', *others])
     unit = 'what it was when commissioned as one day is off another' if commissioned else \
         'its datasheet as its tolerances let it'
     cause = f'{names}, adopted before, {_did(found)}' if found.change else \
-        f'the model lacks {names}'
+        f'the model lacks {"also " * beside}{names}'
     return (f'Either this unit is as far off {unit} ({listed(limited)}), or {cause}, which is far '
             'likelier by these tolerances: both explain these logs down to the noise.')
 

@@ -29,6 +29,20 @@ def test_a_unit_at_its_limits_hides_no_effect_that_is_far_likelier(tmp_path):
         ('pump_leakage',), ('swash_compliance',), ('compressibility_flow',))
 
 
+def test_beside_an_effect_a_unit_at_its_limits_hides_none_either():
+    """A gear that takes its share; with the loading pump at its limit the valve explains all."""
+    rig, runs, held = as_runs(make_campaign(
+        62, {'prv_cracking': 1.0, 'gearbox_loss': 0.9}, rate_hz=50.0, duration=30.0))
+    found = diagnose(rig, runs, held)
+    valve, gear = found.effects
+    assert (found.verdict, valve.id, gear.id) == ('ambiguous', 'prv_cracking', 'gearbox_loss')
+    assert not valve.indistinguishable_from and gear.indistinguishable_from == ('none',)
+    assert found.sentence.startswith('The model lacks prv_cracking ')
+    assert '(loading.pump_mechanical_efficiency), or the model lacks also gearbox_loss' \
+        in found.sentence
+    assert found.next_test.separates == ('gearbox_loss', 'none')
+
+
 def test_a_lag_beyond_its_tolerance_is_named_beside_what_hides_it():
     """
     It shows in one quick step; with the lag at its limit nothing seems to be left.

@@ -47,6 +47,15 @@ def test_a_leak_is_found_sized_adopted_and_not_told_again():
     assert [(entry.id, entry.change) for entry in repaired.effects] == [('pump_leakage', 'gone')]
 
 
+def test_half_of_that_leak_is_no_gauge_that_is_20_bar_off():
+    unit = commission(MAKE, 'make.yaml', [read_log(LOGS / 'healthy_a.csv')]).rig
+    run = read_log(LOGS / 'leak_1.csv')
+    run['motor_inlet_flow'][:] += 0.5 * LEAK * run['pump_outlet_pressure'] / AT
+    first, = diagnose(parse_rig(unit, 'unit.yaml'), [run]).effects
+    assert first.id != 'pressure_sensor_bias'
+    assert 'pump_leakage' in (first.id, *first.indistinguishable_from)
+
+
 def test_warm_oil_is_no_fault_of_a_sensor():
     unit = commission(MAKE, 'make.yaml', [read_log(LOGS / 'healthy_a.csv')]).rig
     found = judged(unit, 'warm')
