@@ -6,9 +6,8 @@ What may be named of a set that was found, whichever way it was found.
 An effect stands if the evidence does not speak against it (``weigh``), and if it is neither at
 the end of what is plausible on a machine nor as it was adopted. What a set leaves beyond the noise
 may be the work of something that acts like one of its effects: what takes away little more than is
-left falls, too, unless the set explains all and the logs are far likelier with it. Without one
-that falls the others are fitted and judged anew. At last it is asked what could stand in the place
-of each.
+left falls, too, unless the set explains all and does not without it. Without one that falls the
+others are fitted and judged anew. At last it is asked what could stand in the place of each.
 """
 from __future__ import annotations
 
@@ -37,10 +36,9 @@ def standing(search: Search, best: Candidate) -> Candidate:
     while best.names:
         fewer = _each_without(search, best, again=True)
         left, sizes = forms(search, best), for_sizes(search.campaign, best.fit)[1].model
-        # Where a set explains all, what it leaves is within what formulas are off.
-        far = -inf if search.unexplained(best) else -CREDIBLE
-        against = {name: inf if left[name] > _MOST_LEFT and odds >= far or at_ends(
-                       search.campaign, sizes, name) or _as_before(search.campaign, sizes, name)
+        against = {name: inf if left[name] > _MOST_LEFT and not _needed(search, best, rest)
+                   or at_ends(search.campaign, sizes, name)
+                   or _as_before(search.campaign, sizes, name)
                    or _as_the_oil(search.campaign, rest.fit, best.fit, name)
                    else odds
                    for name, rest, odds in zip(best.names, fewer, log_odds(
@@ -50,6 +48,11 @@ def standing(search: Search, best: Candidate) -> Candidate:
             break
         best = without(search, best, [weakest])
     return best
+
+
+def _needed(search: Search, best: Candidate, rest: Candidate) -> bool:
+    """Say whether a set explains all, and the rest of it does not."""
+    return not search.unexplained(best) and bool(search.unexplained(rest))
 
 
 def _as_before(campaign: Campaign, model: Model, name: str) -> bool:

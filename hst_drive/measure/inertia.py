@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping, Sequence
 
-from hst_drive.channels import TORQUES
 from hst_drive.measure.balances import closed, is_table
 from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
@@ -31,8 +30,8 @@ def with_found_inertia(rig: Rig, runs: Sequence[Run]) -> Rig:
     if rig.circuit != OPEN or rig.motor is None or KEY in rig.motor.given:
         return rig
     unit = _with(rig, 1.0)
-    rows = [_rows(rig, unit, run) for run in runs if not is_table(run)
-            and any(balance.name == 'hydromotor torque' for balance in closed(run, rig).values())]
+    rows = [_rows(rig, unit, run, name) for run in runs if not is_table(run)
+            for name, balance in closed(run, rig).items() if balance.name == 'hydromotor torque']
     if not rows:
         return rig
     *losses, rate, error = np.concatenate(rows).T
@@ -54,10 +53,9 @@ def _with(rig: Rig, inertia: float) -> Rig:
         **rig.tolerances, INERTIA: _SIGMA})
 
 
-def _rows(rig: Rig, unit: Rig, run: Run) -> np.ndarray:
+def _rows(rig: Rig, unit: Rig, run: Run, name: str) -> np.ndarray:
     """Return what losses may go with, the torque that 1 kg.m^2 takes, and the error, by row."""
     replay = PartReplay(run, PartModel(unit))
-    name = next(name for name in TORQUES if name in replay.signals)
     ideal, turned = (replay.predict(PartModel(entry))[name] for entry in (rig, unit))
     good = replay.counted(name) & np.isfinite(run['motor_speed'])
     speed = run['motor_speed'][good]
