@@ -74,7 +74,8 @@ def test_a_log_that_misleads_alone_is_judged_with_the_others(monkeypatch, togeth
     runs = [day(1), day(2)]
     monkeypatch.setattr(sys.modules[commission.__module__], 'diagnose', lambda rig, given, **_: (
         SimpleNamespace(verdict=together if len(given) > 1 else 'unknown', sentence='Odd.',
-                        effects=(), delays=(), calibration=(), logs=given)))
+                        effects=(), delays=(), inertia=0.0, calibration=(),
+                        logs=given)))
     if refused:
         with pytest.raises(InputError, match='cannot be commissioned as healthy: Odd.'):
             commission(MAKE, 'make.yaml', runs)
