@@ -83,7 +83,7 @@ def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
     """
     Return a set with one effect more, which stands where the unit is at limits without it.
 
-    It is likelier, takes the unit off all of them and leaves nothing; None if there is none.
+    It is likelier, relieves the unit and leaves nothing; None if there is none.
     """
     more = search.extend(best, most=_ASKED) if limited(search.campaign, best.fit) and (
         len(best.names) < MOST_EFFECTS) else []
@@ -91,18 +91,24 @@ def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
         return None
     (top, *_), _ = search.likeliest(best, more)
     top = search.refine(top)
-    stands = not limited(search.campaign, top.fit) and not search.unexplained(top) and (
+    stands = _relieves(search, top, best) and not search.unexplained(top) and (
         search.odds(best, [top])[0] > log(DECIDED) and standing(search, top).names == top.names)
     return top if stands else None
 
 
+def _relieves(search: Search, found: Candidate, without: Candidate) -> bool:
+    """Say whether a set takes the unit off one of its limits, or off all beside other effects."""
+    left = {*limited(search.campaign, found.fit)}
+    return not left if without.names else left < {*limited(search.campaign, without.fit)}
+
+
 def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str]],
-              of_unit: bool = False) -> Candidate:
+              alone: Candidate | None = None) -> Candidate:
     """
     Return the likeliest of ``best`` and the sets with a rival in the place of an effect.
 
     Where the rival does not stand, what is left of several effects is likelier than ``best``.
-    ``of_unit``: of those with which the unit is at no limit, as it is not with ``best``.
+    Of those that relieve the unit of limits at which it is ``alone``, as ``best`` does.
     """
     wanted = exchanged(best, rivals)
     if not wanted:
@@ -118,7 +124,7 @@ def likeliest(search: Search, best: Candidate, rivals: Mapping[str, Sequence[str
     found = standing(search, first)
     of_several = found.names and {*found.names} < {*best.names}
     stands = (found.names in wanted or of_several) and not search.unexplained(found) and (
-        not of_unit or not limited(search.campaign, found.fit))
+        alone is None or _relieves(search, found, alone))
     return found if stands else best
 
 

@@ -96,7 +96,7 @@ def diagnose(rig: Rig, runs: Sequence[Run], holdout: Sequence[Run] = (), *,
     alone, best = best if beside else None, beside or best
     order = _order(search, best)
     rivals = {name: alternatives(search, best, name) for name in order}
-    first = best if unsure else likeliest(search, best, rivals, bool(alone))
+    first = best if unsure else likeliest(search, best, rivals, alone)
     if first is not best:
         best, order = first, _order(search, first)
         rivals = {name: alternatives(search, best, name) for name in order}

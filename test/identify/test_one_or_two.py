@@ -6,7 +6,9 @@ from types import SimpleNamespace
 
 from bench.campaigns import as_runs
 from hst_drive.diagnose import choose
+from hst_drive.effects import effect_of
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import alternatives
 from hst_drive.rig import default_rig
@@ -51,17 +53,43 @@ def test_of_effects_that_look_alike_the_likelier_comes_first(hidden, form, first
     assert choose.likeliest(search, best, rivals).names == (first,)
 
 
+def of_typical_size(*names):
+    """Return a stand-in of a fitted set."""
+    return Candidate(names, SimpleNamespace(model=Model(
+        {name: effect_of(name).typical for name in names})), 0.0)
+
+
+def as_declared(faults=()):
+    """Return a stand-in of a campaign on a machine that has faults already."""
+    return SimpleNamespace(faults=faults, parameter=lambda name, key: effect_of(name).parameter(
+        key))
+
+
+def test_of_what_logs_hardly_tell_apart_the_one_of_usual_size_comes_first(monkeypatch):
+    """A gauge that is 30 bar off is likelier by a little, and has fewer parameters."""
+    gauge, leak = map(of_typical_size, ('pressure_sensor_bias', 'pump_leakage'))
+    gauge.fit.model.effects['pressure_sensor_bias']['bias'] = -30e5
+    monkeypatch.setattr(choose, 'log_odds', lambda search, sets: np.array([0.0, -0.9]))
+    monkeypatch.setattr(choose, 'standing', lambda search, found: found)
+    search = SimpleNamespace(
+        campaign=as_declared(), refine=lambda found: found, tried=lambda: [gauge, leak],
+        unexplained=lambda found: {})
+    rivals = {'pressure_sensor_bias': ('pump_leakage',)}
+    assert choose.likeliest(search, gauge, rivals) is leak
+    gauge.fit.model.effects['pressure_sensor_bias']['bias'] = -3e5
+    assert choose.likeliest(search, gauge, rivals) is gauge
+
+
 @pytest.mark.parametrize('faults, first', [
     ((), 'pressure_sensor_bias'), (('bearing_friction',), 'bearing_friction')])
 def test_of_what_logs_hardly_tell_apart_a_change_of_what_is_known_comes_first(
         monkeypatch, faults, first):
     """By the evidence a gauge is a little likelier; it has fewer parameters, too."""
-    gauge, friction = (Candidate((name,), None, 0.0)
-                       for name in ('pressure_sensor_bias', 'bearing_friction'))
+    gauge, friction = map(of_typical_size, ('pressure_sensor_bias', 'bearing_friction'))
     monkeypatch.setattr(choose, 'log_odds', lambda search, sets: np.array([0.0, -0.1]))
     monkeypatch.setattr(choose, 'standing', lambda search, found: found)
     search = SimpleNamespace(
-        campaign=SimpleNamespace(faults=faults), refine=lambda found: found,
+        campaign=as_declared(faults), refine=lambda found: found,
         tried=lambda: [gauge, friction], unexplained=lambda found: {})
     rivals = {'pressure_sensor_bias': ('bearing_friction',)}
     assert choose.likeliest(search, gauge, rivals).names == (first,)
@@ -69,12 +97,12 @@ def test_of_what_logs_hardly_tell_apart_a_change_of_what_is_known_comes_first(
 
 def test_of_two_effects_one_is_left_where_no_rival_stands_for_the_other(monkeypatch):
     """It stood only beside a worse fit of the first alone."""
-    alone, both, instead = (Candidate(names, None, 0.0) for names in (
+    alone, both, instead = (of_typical_size(*names) for names in (
         ('accumulator',), ('accumulator', 'entrained_air'), ('accumulator', 'gearbox_loss')))
     monkeypatch.setattr(choose, 'log_odds', lambda search, sets: np.array([0.0, 6.0]))
     monkeypatch.setattr(choose, 'standing', lambda search, found: alone)
     search = SimpleNamespace(
-        campaign=SimpleNamespace(faults=()), refine=lambda found: found,
+        campaign=as_declared(), refine=lambda found: found,
         tried=lambda: [alone, both, instead], unexplained=lambda found: {})
     rivals = {'accumulator': (), 'entrained_air': ('gearbox_loss',)}
     assert choose.likeliest(search, both, rivals) is alone
