@@ -85,8 +85,9 @@ def instead_of_the_unit(search: Search, best: Candidate) -> Candidate | None:
 
     It is likelier, relieves the unit and leaves nothing; None if there is none.
     """
-    more = search.extend(best, most=_ASKED) if limited(search.campaign, best.fit) and (
-        len(best.names) < MOST_EFFECTS) else []
+    if len(best.names) == MOST_EFFECTS or not limited(search.campaign, best.fit):
+        return None
+    more = search.extend(best, most=_ASKED) if best.names else search.singles()
     if not more:
         return None
     (top, *_), _ = search.likeliest(best, more)

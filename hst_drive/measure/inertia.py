@@ -16,7 +16,7 @@ from hst_drive.measure.part import PartReplay
 from hst_drive.measure.run import Run
 from hst_drive.model.part import PartModel
 from hst_drive.rig import Rig
-from hst_drive.rig.adopted import INERTIA as KEY
+from hst_drive.rig.adopted import INERTIA_KEY
 from hst_drive.rig.rig import OPEN
 import numpy as np
 
@@ -27,7 +27,7 @@ _SIGMA = 0.3        # how well it is known then, relative: losses may have other
 
 def with_found_inertia(rig: Rig, runs: Sequence[Run]) -> Rig:
     """Return a rig with the inertia that logs tell, if its file gives none and they do."""
-    if rig.circuit != OPEN or rig.motor is None or KEY in rig.motor.given:
+    if rig.circuit != OPEN or rig.motor is None or INERTIA_KEY in rig.motor.given:
         return rig
     unit = _with(rig, 1.0)
     rows = [_rows(rig, unit, run, name) for run in runs if not is_table(run)

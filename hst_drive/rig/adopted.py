@@ -13,7 +13,7 @@ from hst_drive.errors import InputError
 from hst_drive.units import for_people, si_unit, to_si, UnitError
 
 _OWN = 'see hst-drive effects; if it is one of your own, install the package that declares it'
-INERTIA = 'inertia_total_kg_m2'
+INERTIA_KEY = 'inertia_total_kg_m2'
 _HUGE = 1e300   # an integer may be too large for a float
 
 
@@ -34,7 +34,8 @@ def with_delays(rig: dict, delays: Mapping[str, float]) -> dict:
 
 def with_inertia(rig: dict, inertia: float) -> dict:
     """Return the mapping of a rig file with the inertia (kg.m^2) that logs told; 0: as it is."""
-    return {**rig, 'motor': {**rig['motor'], INERTIA: float(f'{inertia:.4g}')}} if inertia else rig
+    return {**rig, 'motor': {
+        **rig['motor'], INERTIA_KEY: float(f'{inertia:.4g}')}} if inertia else rig
 
 
 def read_effects(found: object, source: str,
