@@ -147,3 +147,28 @@ def test_an_actuator_that_is_slower_than_that_is_still_named(tmp_path):
     found = {entry.id: entry for entry in diagnose(rig, list(logs.values()), [held_out]).effects}
     lag = found['pump_lag'].parameters['time_constant']
     assert lag.low < truth['si_parameters']['extra_lag'] < lag.high
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('effect, seed, enters', [
+    ('leaking_check_valve', 32002, 'flow'), ('leaking_check_valve', 32003, 'flow'),
+    ('one_way_drag', 32011, 'torque')])
+def test_what_acts_one_way_only_is_not_two_effects(tmp_path, effect, seed, enters):
+    """A leak from one line is an offset beside a leak of both, but for its form."""
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', f'{effect}=1.5',
+                                '--seed', str(seed))
+    assert [*truth['enters']] == [effect]
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert (found.verdict, found.unknown.enters) == ('unknown', enters)
+    assert found.probability.unknown >= 0.5
+
+
+@pytest.mark.slow
+def test_an_offset_and_a_leak_are_no_leak_from_one_line(tmp_path):
+    rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--effect',
+                            'pump_command_offset=1,cross_port_leakage=1', '--seed', '32024')
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert {'pump_command_offset', 'cross_port_leakage'} <= {entry.id for entry in found.effects}
+    assert found.verdict != 'unknown'
