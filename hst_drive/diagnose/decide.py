@@ -177,17 +177,15 @@ def _explained(search: Search) -> tuple[
     """
     best = standing(search, search.run())
     left = search.unexplained(best)
-    if search.campaign.by_balance:
-        # Balance by balance there are few signals, which anything freer fits better.
-        return best, left, {}, None
-    more = one_cause(search, best, left)
+    whole = not search.campaign.by_balance
+    more = one_cause(search, best, left) if whole else None
     better = {} if more else unlisted_replacement(search, best, left)
     found = best
     if more:
         found = search.baseline
     elif better:
         found = standing(search, without(search, best, better))
-    else:
+    elif whole:
         found, more = unlisted_addition(search, best, left)
     return found, left if found is best else search.unexplained(found), better, more
 

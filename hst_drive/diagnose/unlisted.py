@@ -44,8 +44,6 @@ _FREE_FORMS = {
         Unknown('sensor', 'motor_inlet_flow', ('motor_inlet_flow',),
                 'flow reading [m^3/s]')),),
 }
-# In the place of several effects that pressure shows: together they imitate much.
-_SHOWN_BY_PRESSURE = ('motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading')
 _OF_WARMTH = (
     FreeForm('a torque that goes with the oil temperature alone', 'formula_torque',
              ((), ('warmth',), ('warmth', 'warmth')),
@@ -54,6 +52,17 @@ _OF_WARMTH = (
     FreeForm('a reading of load torque that goes with the oil temperature',
              'formula_torque_reading', ((), ('warmth',), ('torque', 'warmth')),
              Unknown('sensor', 'load_torque', ('oil_temperature',), 'torque reading [N.m]')))
+# What goes with a loss alike both ways, beside one that turns its sign, is lost one way only.
+_FROM_ONE_LINE = tuple(
+    FreeForm(f'oil that line {line.upper()} alone loses', formula,
+             ((f'line_{line}',), ('pressure', f'line_{line}')),
+             Unknown('flow', 'motor_speed', (f'line_{line}_pressure',), 'oil [m^3/s]'))
+    for line in 'ab' for formula in ('formula_pump_flow', 'formula_motor_flow'))
+_ONE_WAY = tuple(
+    FreeForm(f'a torque that acts only when the hydromotor turns {way}', 'formula_torque',
+             ((way,), ('speed', way)),
+             Unknown('torque', 'motor_torque', ('motor_speed',), 'torque of the hydromotor [N.m]'))
+    for way in ('forwards', 'backwards'))
 # The same beside all that was found: rough rock hides what comes back with each turn.
 _LOAD_BY_ANGLE = FreeForm('a load that goes with the angle of the shaft', 'formula_load',
                           (('torque', 'cosine'), ('torque', 'sine')))
@@ -79,7 +88,8 @@ def unlisted_replacement(search: Search, best: Candidate,
     ``left`` are the signals that the set leaves unexplained.
     """
     found: dict[str, Unlisted] = {}
-    for name in best.names:
+    # Balance by balance there are few signals, which anything freer fits better.
+    for name in () if search.campaign.by_balance else best.names:
         trial = _best(search, best, [
             *fitted_forms(search.campaign, best.fit.model.without(name),
                           _FREE_FORMS.get(catalogue()[name].slot, ())),
@@ -89,26 +99,44 @@ def unlisted_replacement(search: Search, best: Candidate,
                 f'comes near, but {trial.what} in its place '
                 f'{how_much_better(search, best, trial.fit)}',
                 as_unknown(search.campaign, lambda: without(search, best, [name]).fit, trial))
-    return found or _of_warmth(search, best, left)
+    return found or _together(search, best, left)
 
 
-def _of_warmth(search: Search, best: Candidate,
-               left: Container[str]) -> dict[str, Unlisted]:
-    """Return the effects in whose common place what goes with the oil's warmth fits better."""
-    names = [name for name in best.names if catalogue()[name].slot in _SHOWN_BY_PRESSURE]
-    if len(names) < 2 or not WARMS <= np.ptp(np.concatenate(
-            [replay.inputs['oil_temperature'] for replay in search.campaign.replays])):
-        return {}
-    model = best.fit.model.without(*names)
-    # Of what explains as much one cause is a better answer than several.
-    trial = _best(search, best, fitted_forms(search.campaign, model, _OF_WARMTH), left,
-                  simpler=True)
-    if not trial:
-        return {}
-    unknown = as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)
-    return dict.fromkeys(names, Unlisted(
-        f'together come near, but {trial.what} in their place '
-        f'{how_much_better(search, best, trial.fit)}', unknown))
+def _warms(campaign: Campaign) -> bool:
+    return not campaign.by_balance and bool(WARMS <= np.ptp(np.concatenate(
+        [replay.inputs['oil_temperature'] for replay in campaign.replays])))
+
+
+def _reverses(campaign: Campaign) -> bool:
+    return campaign.by_balance and any(replay.reverses for replay in campaign.replays)
+
+
+# In the place of several effects, which together imitate much: their slots, the first of which
+# must be among them, what the logs must show, and what is tried.
+_SEVERAL = (
+    (('', 'motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading'), _warms,
+     _OF_WARMTH),
+    (('pump_command', 'pump_flow_loss', 'motor_flow_loss', 'cross_port_flow'), _reverses,
+     _FROM_ONE_LINE),
+    (('motor_torque', 'motor_torque_loss'), _reverses, _ONE_WAY))
+
+
+def _together(search: Search, best: Candidate, left: Container[str]) -> dict[str, Unlisted]:
+    """Return the effects in whose common place one thing that is not listed fits better."""
+    for (first, *rest), shown, tried in _SEVERAL:
+        slots = {name: catalogue()[name].slot for name in best.names}
+        names = [name for name, slot in slots.items() if slot in (first, *rest)]
+        if len(names) < 2 or first and first not in slots.values() or not shown(search.campaign):
+            continue
+        model = best.fit.model.without(*names)
+        # Of what explains as much one cause is a better answer than several.
+        if trial := _best(search, best, fitted_forms(search.campaign, model, tried), left,
+                          simpler=True):
+            unknown = as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)
+            return dict.fromkeys(names, Unlisted(
+                f'together come near, but {trial.what} in their place '
+                f'{how_much_better(search, best, trial.fit)}', unknown))
+    return {}
 
 
 def unlisted_addition(search: Search, best: Candidate,

@@ -18,51 +18,64 @@ REFERENCE = 323.15      # K
 TORQUE = 100.0          # N.m
 FLOW = 1e-4             # m^3/s
 TERMS = 3
-# Variable of a formula -> what it reads.
-READS = {'pressure': 'pressure', 'speed': 'motor_speed', 'warmth': 'oil_temperature',
-         'pump': 'pump_command', 'pprv': 'pprv_command', 'torque': 'load_torque',
-         'flow': 'flow', 'cosine': 'motor_angle', 'sine': 'motor_angle'}
+# Variable of a formula, and how it is written.
 TEXTS = {'pressure': '(pressure / 100 bar)', 'speed': '(motor_speed / 10 rad/s)',
          'warmth': '((oil_temperature - 50 degC) / 10 K)', 'pump': '(pump_command / 1 V)',
          'pprv': '(pprv_command / 1 V)', 'torque': '(load_torque / 100 N.m)',
          'flow': '(flow / 6 L/min)',
-         'cosine': 'cos(motor_angle)', 'sine': 'sin(motor_angle)'}
+         'cosine': 'cos(motor_angle)', 'sine': 'sin(motor_angle)',
+         'forwards': '(1 forwards, else 0)', 'backwards': '(1 backwards, else 0)',
+         'line_a': '(1 with line A high, else 0)', 'line_b': '(1 with line B high, else 0)'}
 
 
 def product(pressure, motor_speed, oil_temperature, pump_command, pprv_command, motor_angle,
-            coefficient_1, pressure_1, speed_1, warmth_1, pump_1, pprv_1, cosine_1, sine_1,
-            coefficient_2, pressure_2, speed_2, warmth_2, pump_2, pprv_2, cosine_2, sine_2,
-            coefficient_3, pressure_3, speed_3, warmth_3, pump_3, pprv_3, cosine_3, sine_3):
+            coefficient_1, pressure_1, speed_1, warmth_1, pump_1, pprv_1,
+            cosine_1, sine_1, forwards_1, backwards_1,
+            coefficient_2, pressure_2, speed_2, warmth_2, pump_2, pprv_2,
+            cosine_2, sine_2, forwards_2, backwards_2,
+            coefficient_3, pressure_3, speed_3, warmth_3, pump_3, pprv_3,
+            cosine_3, sine_3, forwards_3, backwards_3):
     """Return the sum of three coefficients times powers of the balances' variables."""
     pressure = pressure / PRESSURE
     speed = motor_speed / SPEED
     warmth = (oil_temperature - REFERENCE) / WARMTH
     cosine = math.cos(motor_angle)
     sine = math.sin(motor_angle)
+    forwards = 0.5 + 0.5 * math.copysign(1.0, motor_speed)
     return (coefficient_1 * pressure**pressure_1 * speed**speed_1 * warmth**warmth_1
-            * pump_command**pump_1 * pprv_command**pprv_1 * cosine**cosine_1 * sine**sine_1
+            * pump_command**pump_1 * pprv_command**pprv_1 * cosine**cosine_1
+            * sine**sine_1 * forwards**forwards_1 * (1.0 - forwards)**backwards_1
             + coefficient_2 * pressure**pressure_2 * speed**speed_2 * warmth**warmth_2
-            * pump_command**pump_2 * pprv_command**pprv_2 * cosine**cosine_2 * sine**sine_2
+            * pump_command**pump_2 * pprv_command**pprv_2 * cosine**cosine_2
+            * sine**sine_2 * forwards**forwards_2 * (1.0 - forwards)**backwards_2
             + coefficient_3 * pressure**pressure_3 * speed**speed_3 * warmth**warmth_3
-            * pump_command**pump_3 * pprv_command**pprv_3 * cosine**cosine_3 * sine**sine_3)
+            * pump_command**pump_3 * pprv_command**pprv_3 * cosine**cosine_3
+            * sine**sine_3 * forwards**forwards_3 * (1.0 - forwards)**backwards_3)
 
 
 def loss(pressure, motor_speed, oil_temperature, pump_command, pprv_command, motor_angle,
-         coefficient_1, pressure_1, speed_1, warmth_1, pump_1, pprv_1, cosine_1, sine_1,
-         coefficient_2, pressure_2, speed_2, warmth_2, pump_2, pprv_2, cosine_2, sine_2,
-         coefficient_3, pressure_3, speed_3, warmth_3, pump_3, pprv_3, cosine_3, sine_3):
+         high_line, coefficient_1, pressure_1, speed_1, warmth_1, pump_1, pprv_1,
+         cosine_1, sine_1, line_a_1, line_b_1,
+         coefficient_2, pressure_2, speed_2, warmth_2, pump_2, pprv_2,
+         cosine_2, sine_2, line_a_2, line_b_2,
+         coefficient_3, pressure_3, speed_3, warmth_3, pump_3, pprv_3,
+         cosine_3, sine_3, line_a_3, line_b_3):
     """Return what ``product`` returns with the other sign: flow that is lost, not gained."""
     pressure = pressure / PRESSURE
     speed = motor_speed / SPEED
     warmth = (oil_temperature - REFERENCE) / WARMTH
     cosine = math.cos(motor_angle)
     sine = math.sin(motor_angle)
+    line_a = 0.5 + 0.5 * high_line
     return -(coefficient_1 * pressure**pressure_1 * speed**speed_1 * warmth**warmth_1
-             * pump_command**pump_1 * pprv_command**pprv_1 * cosine**cosine_1 * sine**sine_1
+             * pump_command**pump_1 * pprv_command**pprv_1 * cosine**cosine_1
+             * sine**sine_1 * line_a**line_a_1 * (1.0 - line_a)**line_b_1
              + coefficient_2 * pressure**pressure_2 * speed**speed_2 * warmth**warmth_2
-             * pump_command**pump_2 * pprv_command**pprv_2 * cosine**cosine_2 * sine**sine_2
+             * pump_command**pump_2 * pprv_command**pprv_2 * cosine**cosine_2
+             * sine**sine_2 * line_a**line_a_2 * (1.0 - line_a)**line_b_2
              + coefficient_3 * pressure**pressure_3 * speed**speed_3 * warmth**warmth_3
-             * pump_command**pump_3 * pprv_command**pprv_3 * cosine**cosine_3 * sine**sine_3)
+             * pump_command**pump_3 * pprv_command**pprv_3 * cosine**cosine_3
+             * sine**sine_3 * line_a**line_a_3 * (1.0 - line_a)**line_b_3)
 
 
 def load(load_torque, motor_speed, oil_temperature, pprv_command, motor_angle,
@@ -119,10 +132,11 @@ def speed_error(motor_speed, oil_temperature,
 
 
 _BALANCE = ('pressure', 'speed', 'warmth', 'pump', 'pprv', 'cosine', 'sine')
+_TORQUE, _FLOW = (*_BALANCE, 'forwards', 'backwards'), (*_BALANCE, 'line_a', 'line_b')
 _LOAD = ('torque', 'speed', 'warmth', 'pprv', 'cosine', 'sine')
 # Effect -> variables of its formula.
-VARIABLES = {'formula_load': _LOAD, 'formula_torque': _BALANCE, 'formula_motor_flow': _BALANCE,
-             'formula_pump_flow': _BALANCE, 'formula_pressure_reading': _BALANCE,
+VARIABLES = {'formula_load': _LOAD, 'formula_torque': _TORQUE, 'formula_motor_flow': _FLOW,
+             'formula_pump_flow': _FLOW, 'formula_pressure_reading': _TORQUE,
              'formula_flow_reading': ('flow', 'pressure', 'warmth'),
              'formula_torque_reading': ('torque', 'warmth'),
              'formula_speed_reading': ('speed', 'warmth')}

@@ -91,17 +91,20 @@ READABLE: dict[str, str] = {
     'max_displacement': 'm^3/rad', 'line_volume': 'm^3', 'bulk_modulus': 'Pa',
     'oil_density': 'kg/m^3', 'relief_pressure': 'Pa', 'pistons': '1', 'characterised_at': 'K',
     'nominal_speed': 'rad/s', 'rated_pressure': 'Pa', 'cross_port_pressure': 'Pa',
-    'valve_command': 'V',
+    'valve_command': 'V', 'high_line': '1',
 }
 
 # What is known where a slot lies: the equations are evaluated in order.
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'valve_command'}
+_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'valve_command',
+                                    'high_line'}
 _KNOWN: dict[str, frozenset[str]] = {
-    'line_drop': _BALANCES, 'motor_flow_loss': _BALANCES, 'pump_speed': _BALANCES,
-    'pump_flow_loss': _BALANCES | {'pump_speed'}, 'compliance': _BALANCES | {'pump_speed'},
+    'line_drop': _BALANCES, 'pump_speed': _BALANCES,
+    'motor_flow_loss': _BALANCES | {'high_line'},
+    'pump_flow_loss': _BALANCES | {'pump_speed', 'high_line'},
+    'compliance': _BALANCES | {'pump_speed'},
     **dict.fromkeys(('back_pressure', 'loss_pressure', 'cross_port_flow'),
                     _BALANCES | {'pump_speed'}),
     'charge_pressure': frozenset({'pump_speed', 'oil_temperature', 'viscosity_ratio'}),
@@ -109,7 +112,7 @@ _KNOWN: dict[str, frozenset[str]] = {
     'gear_angle': frozenset({'load_torque'}),
     **dict.fromkeys(('valve_command', 'valve_lag'), frozenset({'valve_command'})),
     'pump_torque_loss': _COMMANDS | {'pump_speed'},
-    'motor_torque_loss': frozenset(READABLE), 'motor_torque': frozenset(READABLE),
+    **dict.fromkeys(('motor_torque_loss', 'motor_torque'), frozenset(READABLE) - {'high_line'}),
     'shaft_compliance': frozenset({'twist'}),
     # A replay asks for the speed behind a reading before it simulates anything.
     'speed_reading': frozenset({'motor_speed', 'oil_temperature'}),

@@ -42,7 +42,7 @@ RANGES = {
     'relief_pressure': (5e6, 4e7), 'pistons': (3.0, 15.0), 'characterised_at': (273.0, 373.0),
     'nominal_speed': (50.0, 400.0), 'rated_pressure': (5e6, 4e7),
     'cross_port_pressure': (5e6, 5e7), 'valve_command': (-10.0, 10.0),
-    'twist': (-1.0, 1.0),
+    'twist': (-1.0, 1.0), 'high_line': (-1.0, 1.0),
 }
 PINT = pint.UnitRegistry()
 

@@ -139,7 +139,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     difference = line_a_pressure - line_b_pressure
     # Between equal lines the way that the pump is going to deliver decides.
     a_high = difference > 0.0 or difference == 0.0 and aim >= 0.0
-    side = 1.0 if a_high else -1.0
+    high_line = 1.0 if a_high else -1.0
     low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
     way = 1.0 if stroke >= 0.0 else -1.0
     pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
@@ -163,8 +163,8 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     # slot motor_flow_loss kept
     # slot pump_flow_loss kept
     # slot pump_flow_loss free
-    across = side * (cross_port_flow + motor_flow_loss_kept
-                     + max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain])
+    across = high_line * (cross_port_flow + motor_flow_loss_kept
+                          + max(pressure - cross_port_pressure, 0.0) * p[P_relief_gain])
     a_loss = a_drained + across + pump_leak(
         max(line_a_pressure, 0.0), displacement, pump_speed, pump_command, flow, pressure,
         motor_speed, oil_temperature, viscosity_ratio, p, on, cells, layout)
@@ -190,7 +190,7 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     if charge_wear > 0.0:
         charge_flow *= 1.0 - charge_wear * min(max(low / relief, 0.0), 1.0)
     flushed = p[P_flushing] * max(low, 0.0) / p[P_charge_relief]
-    lacking = flushed + side * (delivered - swept) + low_loss
+    lacking = flushed + high_line * (delivered - swept) + low_loss
     held = p[P_charge_override] * (made * (1.0 - charge_wear) - lacking)
     settled_charge = CAVITATION_PRESSURE + p[P_check_valve] * lacking
     if held > 0.0:
@@ -235,9 +235,9 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
             (delivered - a_loss) * per_turn, (delivered + b_loss) * per_turn, low_side,
             settled_charge, motor_torque, pump_torque, pump_torque * pump_speed,
             a_drained + b_drained,
-            swept + a_drained + side * motor_flow_loss_kept, a_storage * per_turn,
-            -b_storage * per_turn, gear_angle, p[P_inertia], side * above,
-            -side * above, -far * fed, far * fed, abs(far) * fed)
+            swept + a_drained + high_line * motor_flow_loss_kept, a_storage * per_turn,
+            -b_storage * per_turn, gear_angle, p[P_inertia], high_line * above,
+            -high_line * above, -far * fed, far * fed, abs(far) * fed)
 
 
 def numbers(rig: Rig) -> dict[str, float]:

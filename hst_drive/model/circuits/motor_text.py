@@ -64,9 +64,10 @@ def motor_leaks(line_a_pressure, line_b_pressure, line_drop, motor_speed, motor_
                            oil_temperature, viscosity_ratio, motor_displacement, p, on, cells,
                            layout)
     pressure = abs(line_a_pressure - line_b_pressure)
+    high_line = 1.0 if line_a_pressure >= line_b_pressure else -1.0
     motor_flow_loss_free = 0.0
     # slot motor_flow_loss free
-    if line_a_pressure >= line_b_pressure:
+    if high_line > 0.0:
         a_drained += motor_flow_loss_free
     else:
         b_drained += motor_flow_loss_free
