@@ -98,8 +98,8 @@ READABLE: dict[str, str] = {
 _COMMANDS = frozenset({'displacement', 'pump_pressure', 'motor_speed', 'motor_angle',
                        'pump_command', 'pprv_command', 'oil_temperature', 'viscosity_ratio',
                        'nominal_speed', 'max_displacement'})
-_BALANCES = frozenset(READABLE) - {'pump_speed', 'load_torque', 'twist', 'valve_command',
-                                    'high_line'}
+_BALANCES = frozenset(READABLE) - {
+    'pump_speed', 'load_torque', 'twist', 'valve_command', 'high_line'}
 _KNOWN: dict[str, frozenset[str]] = {
     'line_drop': _BALANCES, 'pump_speed': _BALANCES,
     'motor_flow_loss': _BALANCES | {'high_line'},
