@@ -6,13 +6,14 @@ from __future__ import annotations
 from math import log
 from typing import Callable, Container, Mapping, Sequence
 
-from hst_drive.diagnose.free_forms import beyond_noise, REST
+from hst_drive.diagnose.free_forms import beyond_noise
 from hst_drive.diagnose.result import UNIT_ALONE
 from hst_drive.effects import catalogue
 from hst_drive.effects.leakage_temperature import OIL_LAW, POWER, POWER_SIGMA
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED, USUAL
 from hst_drive.identify.fit import limited
+from hst_drive.identify.judge import REST
 from hst_drive.identify.model import Model
 from hst_drive.identify.observable import Visibility, visibility
 from hst_drive.identify.search import Candidate, MOST_EFFECTS, Search

@@ -14,13 +14,12 @@ from hst_drive.effects.formula import FORMULAS, TEXTS, values, written
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import CREDIBLE, DECIDED
 from hst_drive.identify.fit import Fit, fit
-from hst_drive.identify.judge import excess, parts, PRACTICAL
+from hst_drive.identify.judge import excess, parts, PRACTICAL, REST
 from hst_drive.identify.model import Model
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.weigh import log_odds_of
 import numpy as np
 
-REST = 0.25            # of the excess squared error: who leaves more explains something else
 _START = 1e-3           # of a formula's typical size: where its fit starts
 
 

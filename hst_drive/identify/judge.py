@@ -20,6 +20,7 @@ import numpy as np
 PRACTICAL = 0.10        # share of the squared error that is worth a name
 CLEAN_RATIO = 1.25      # noise ratio up to which a signal counts as explained
 CLEAN_FITTED = 1.3      # the same on data that was fitted
+REST = 0.25     # of the excess squared error: what leaves more is not what explains it
 
 
 def taken(before: Mapping[str, np.ndarray], after: Mapping[str, np.ndarray]) -> dict[str, float]:

@@ -19,7 +19,7 @@ from hst_drive.effects.base import arguments, FORMULA_ERROR
 from hst_drive.identify.campaign import Campaign
 from hst_drive.identify.evidence import BASELINE, CREDIBLE, DECIDED
 from hst_drive.identify.fit import at_ends, Fit, for_sizes
-from hst_drive.identify.judge import contribution, excess, over_own_floors, PRACTICAL
+from hst_drive.identify.judge import contribution, excess, over_own_floors, PRACTICAL, REST
 from hst_drive.identify.model import Model
 from hst_drive.identify.score_test import score_test
 from hst_drive.identify.search import Candidate, Search
@@ -28,7 +28,6 @@ from hst_drive.measure.where import AT_NOISE
 import numpy as np
 
 RIVALS_TRIED = 6
-_MOST_LEFT = 0.5    # of what an effect takes away: with more its interval would hold zero
 
 
 def standing(search: Search, best: Candidate) -> Candidate:
@@ -36,7 +35,7 @@ def standing(search: Search, best: Candidate) -> Candidate:
     while best.names:
         fewer = _each_without(search, best, again=True)
         left, sizes = forms(search, best), for_sizes(search.campaign, best.fit)[1].model
-        against = {name: inf if left[name] > _MOST_LEFT and not _needed(search, best, rest)
+        against = {name: inf if left[name]**2 > REST and not _needed(search, best, rest)
                    or at_ends(search.campaign, sizes, name)
                    or _as_before(search.campaign, sizes, name)
                    or _as_the_oil(search.campaign, rest.fit, best.fit, name)
