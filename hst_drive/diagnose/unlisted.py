@@ -88,11 +88,11 @@ def unlisted_replacement(search: Search, best: Candidate,
     ``left`` are the signals that the set leaves unexplained.
     """
     found: dict[str, Unlisted] = {}
-    # Balance by balance there are few signals, which anything freer fits better.
-    for name in () if search.campaign.by_balance else best.names:
+    for name in best.names:
+        # Balance by balance there are few signals, which anything freer fits better.
+        forms = () if search.campaign.by_balance else _FREE_FORMS.get(catalogue()[name].slot, ())
         trial = _best(search, best, [
-            *fitted_forms(search.campaign, best.fit.model.without(name),
-                          _FREE_FORMS.get(catalogue()[name].slot, ())),
+            *fitted_forms(search.campaign, best.fit.model.without(name), forms),
             *_actuator(search, best, name)], left)
         if trial:
             found[name] = Unlisted(
@@ -205,7 +205,9 @@ def _of_the_load(campaign: Campaign, fitted: Fit) -> list[np.ndarray]:
 
 def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
     """Fit what a pump may do with its command in the place of an effect of its actuator."""
-    if SLOTS[catalogue()[name].slot].enters != 'pump actuator':
+    if SLOTS[catalogue()[name].slot].enters != 'pump actuator' or any(
+            replay.static or 'pump_command' not in replay.inputs
+            for replay in search.campaign.replays):
         return []
     model = best.fit.model.without(name)
     return [_timed(search, best.fit._replace(model=model), timing)

@@ -45,8 +45,8 @@ def _of_the_pump(change: Callable[[Pump, np.ndarray, np.ndarray, float], np.ndar
                  told: Callable[[float], str], *more: Any) -> Timing:
     def changed(campaign: Campaign, number: float) -> None:
         for replay in campaign.replays:
-            replay.inputs = {**replay.inputs, 'pump_command': change(
-                campaign.rig.pump, replay.run.time, replay.inputs['pump_command'], number)}
+            replay.command(change(campaign.rig.pump, replay.run.time,
+                                  replay.inputs['pump_command'], number))
 
     return Timing(changed, told, *more)
 

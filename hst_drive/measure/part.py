@@ -236,6 +236,11 @@ class PartReplay:
         return shifted({name: later(self.run.time, values, late.get(name, 0.0))
                         for name, values in found.items()}, model.zeros)
 
+    def command(self, values: np.ndarray) -> None:
+        """Take another command of the pump in the place of the recorded one."""
+        self.inputs = {**self.inputs, 'pump_command': values}
+        self._channels = {**self._channels, 'pump_command': values}
+
     def would_read(self, model: PartModel,
                    balances: Mapping[str, Balance]) -> dict[str, np.ndarray]:
         """Return what sensors that a log lacks would read, SI, by balances of their signals."""

@@ -231,6 +231,10 @@ class Replay(RecordedLoad):
         if signal == self.torque:
             self._measured = moved
 
+    def command(self, values: np.ndarray) -> None:
+        """Take another command of the pump in the place of the recorded one."""
+        self.inputs = {**self.inputs, 'pump_command': values}
+
     def start(self, drive: Drive) -> np.ndarray:
         """Return the state at the first sample, as far as the signals tell it."""
         inputs = {name: float(values[0]) for name, values in self.inputs.items()}

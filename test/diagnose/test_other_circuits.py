@@ -9,6 +9,7 @@ from hst_drive.diagnose.decide import diagnose
 from hst_drive.identify.calibrate import calibrated
 from hst_drive.identify.model import Model
 from hst_drive.identify.part import campaign_of
+import numpy as np
 import pytest
 
 
@@ -161,7 +162,27 @@ def test_what_acts_one_way_only_is_not_two_effects(tmp_path, effect, seed, enter
     held_out = logs.pop('holdout')
     found = diagnose(rig, list(logs.values()), [held_out])
     assert (found.verdict, found.unknown.enters) == ('unknown', enters)
-    assert found.probability.unknown >= 0.5
+
+
+@pytest.mark.slow
+def test_a_dead_time_is_no_lag(tmp_path):
+    """A bus that takes 60 ms to the pump: it was told as a slow actuator, 0.9."""
+    rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--kind', 'none', '--seed', '32053')
+    logs = {name: replace(run, channels={**run.channels, 'pump_command': np.interp(
+        run.time + 0.06, run.time, run['pump_command'])}) for name, run in logs.items()}
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert (found.verdict, found.unknown.enters) == ('unknown', 'pump_actuator')
+    assert 'dead time' in found.sentence
+
+
+@pytest.mark.slow
+def test_a_lag_is_no_dead_time(tmp_path):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', 'pump_lag=1',
+                                '--seed', '32061')
+    held_out = logs.pop('holdout')
+    found = diagnose(rig, list(logs.values()), [held_out])
+    assert found.verdict == 'missing_effect' and found.effects[0].id == 'pump_lag'
 
 
 @pytest.mark.slow
