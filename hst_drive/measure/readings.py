@@ -54,7 +54,8 @@ class Readings:
         moving = np.where(low | high, np.nan, values)
         if np.mean(np.isfinite(moving)) < 0.5 * np.mean(np.isfinite(values)):
             moving = values
-        if np.nanmin(values) == np.nanmax(values) and name in self.sensors:
+        known = values[np.isfinite(values)]
+        if (len(known) == 0 or np.ptp(known) == 0.0) and name in self.sensors:
             # One number throughout says nothing of the noise, and is no sign that there is none.
             return max(self.sensors[name].noise_std, self.step(name))
         return max(noise_std(moving), self.step(name))
