@@ -34,6 +34,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 _ROUNDS = 2             # of the timing and the unit in turn
+_RESOLVED = 2.5e-3      # of the span of a timing's number
 # Slot of an effect: what is tried in its place.
 _FREE_FORMS = {
     **dict.fromkeys(('pump_flow_loss', 'pump_speed'), (FreeForm(
@@ -240,7 +241,7 @@ def _best_number(campaign: Campaign, timing: Timing, _: float, model: Model) -> 
         return float(np.sum(changed.training(changed.errors(model, to_fit=True))**2))
 
     return float(minimize_scalar(cost, bounds=timing.bounds, method='bounded',
-                                 options={'xatol': timing.resolved}).x)
+                                 options={'xatol': _RESOLVED * np.ptp(timing.bounds)}).x)
 
 
 def _late(campaign: Campaign, timing: Timing, number: float, model: Model) -> float:

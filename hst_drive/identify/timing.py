@@ -30,7 +30,6 @@ class Timing(NamedTuple):
     change: Callable[[Campaign, float], None]
     told: Callable[[float], str]
     bounds: tuple[float, float] | None = None
-    resolved: float = 0.0
     signal: str = ''
 
 
@@ -82,14 +81,14 @@ def reads_late(signal: str) -> tuple[Timing, Timing]:
         early = 'lead' if delay < 0.0 else 'lag'
         return f'a {early} of {1e3 * abs(delay):.0f} ms in the reading of {CHANNELS[signal].title}'
 
-    return (Timing(filtered, told, (1e-3, 1.0), 1e-3, signal),
+    return (Timing(filtered, told, (1e-3, 1.0), signal),
             Timing(moved, told, signal=signal))
 
 
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
-                         (0.0, 0.4), 2e-3)
+                         (0.0, 0.4))
 ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
     f"a lag that is {1 + abs(slower):.3g} times as long on the plate's way "
-    + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0), 0.02)
+    + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0))
 LATE_READINGS = ('pump_outlet_pressure', 'motor_inlet_pressure', 'motor_inlet_flow',
                  'load_torque', 'motor_torque')

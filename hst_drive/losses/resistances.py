@@ -51,19 +51,24 @@ class Prediction(NamedTuple):
 
 def identify(bench: Bench) -> Resistances:
     """Return the resistances that each row determines, Eqs. (2) to (4)."""
-    nothing = np.full(len(bench), np.nan)
-    load_pressure = bench.load_torque / bench.displacement
-    drop = bench.pressure - load_pressure
-    leakage = bench.flow - bench.displacement * bench.speed
+    swept = bench.displacement * bench.speed
+    drop = bench.pressure - bench.load_torque / bench.displacement
+    internal = None if bench.drain is None else bench.flow - bench.drain - swept
+    return of_losses(bench, drop, bench.flow - swept, bench.drain, internal)
+
+
+def of_losses(bench: Bench, drop: np.ndarray, leakage: np.ndarray, external: np.ndarray | None,
+              internal: np.ndarray | None) -> Resistances:
+    """Return the resistances of a drop (Pa) at the inlet, and of leakages (m^3/s), at rows."""
     total = _ratio(bench.pressure, leakage)
-    bounds = _ratio(drop, bench.flow), _ratio(drop, bench.flow - leakage)
-    if bench.drain is None:
-        return Resistances(nothing, nothing, nothing, total, *bounds)
-    inlet_flow = bench.flow - bench.drain
-    inlet = _ratio(drop, inlet_flow)
-    return Resistances(
-        _ratio(bench.pressure, bench.drain), inlet,
-        _ratio(load_pressure, inlet_flow - bench.displacement * bench.speed), total, inlet, inlet)
+    if external is None:
+        nothing = np.full(len(bench), np.nan)
+        return Resistances(nothing, nothing, nothing, total, _ratio(drop, bench.flow),
+                           _ratio(drop, bench.flow - leakage))
+    inlet = _ratio(drop, bench.flow - external)
+    return Resistances(_ratio(bench.pressure, external), inlet,
+                       _ratio(bench.load_torque / bench.displacement, internal), total, inlet,
+                       inlet)
 
 
 def predict(pressure, flow, load_torque, displacement, external, inlet, internal) -> Prediction:

@@ -137,25 +137,12 @@ class Study:
         bench = self.bench
         return self.curves(bench.pressure, bench.speed, bench.viscosity, bench.displacement)
 
-    def resistances_from(self, external, internal, leakage, torque_loss) -> eq.Resistances:
-        """Return resistances from losses at the rows' pressure, flow and load."""
-        bench = self.bench
-        nothing = np.full(len(bench), np.nan)
-        load_pressure = bench.load_torque / bench.displacement
-        drop = torque_loss / bench.displacement
-        total = bench.pressure / leakage
-        low, high = drop / bench.flow, drop / (bench.flow - leakage)
-        if external is None:
-            return eq.Resistances(nothing, nothing, nothing, total, low, high)
-        inlet = drop / (bench.flow - external)
-        return eq.Resistances(bench.pressure / external, inlet, load_pressure / internal, total,
-                              inlet, inlet)
-
     @cached_property
     def fitted(self) -> eq.Resistances:
         """The resistances of the characteristics, at the rows."""
-        lost = self.at_rows
-        return self.resistances_from(lost.external, lost.internal, lost.leakage, lost.torque_loss)
+        bench, lost = self.bench, self.at_rows
+        return eq.of_losses(bench, lost.torque_loss / bench.displacement, lost.leakage,
+                            lost.external, lost.internal)
 
     @cached_property
     def predicted(self) -> eq.Prediction:
