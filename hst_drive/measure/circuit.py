@@ -24,7 +24,7 @@ from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+from scipy.ndimage import minimum_filter1d
 
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
 _SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
@@ -139,12 +139,10 @@ class CircuitReplay(PartReplay):
         first, second = (model.terms(f'speed_reading{kind}_lag', {}) for kind in ('', '_series'))
         if not first + second or 'motor_speed' not in channels:
             return 0.0
-        step = self.run.sample_time
-        width = self._widths.get('motor_speed', 0.0) or _STEADY / step
-        rate, bend = (gaussian_filter1d(channels['motor_speed'], width, order=order,
-                                        mode='nearest') / step**order for order in (1, 2))
-        # Two first-order lags in series: reading + (a + b) reading' + a b reading'' = shaft.
-        return (first + second) * rate + first * second * bend
+        # Two first-order lags in series: reading + (a + b) reading' + a b reading'' = shaft. What
+        # is compared is smoothed once, this with it.
+        rate = np.gradient(channels['motor_speed'], self.run.time)
+        return (first + second) * rate + first * second * np.gradient(rate, self.run.time)
 
     def _state(self, model: PartModel, channels: dict[str, np.ndarray],
                before: float = SETTLES) -> dict[str, Any]:

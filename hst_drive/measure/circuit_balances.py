@@ -142,7 +142,7 @@ def _by_parts(balance: Balance, model: CircuitModel, known: Known, channels: Kno
     # Summed before it is smoothed: the lines may change their parts at any row.
     stored += found[parts[0].turns] if parts[0].turns else 0.0
     value = value - weak.rate(stored)
-    return value + _reading(model, channels, balance.signal, value, known['behind'])
+    return value + _reading(model, channels, balance.signal, value, weak.mean(known['behind']))
 
 
 def _reading(model: CircuitModel, channels: Known, signal: str, value: Any,
