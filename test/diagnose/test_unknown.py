@@ -68,7 +68,8 @@ def test_formula_is_what_it_says(name):
     effect = formula.FORMULAS[name]
     assert name not in catalogue() and name in catalogue(everything=True)
     reads = {'pressure': 8e6, 'motor_speed': 12.0, 'oil_temperature': 318.15, 'pump_command': 5.0,
-             'pprv_command': 3.0, 'motor_angle': 1.0, 'load_torque': 150.0, 'flow': 2e-4}
+             'pprv_command': 3.0, 'motor_angle': 1.0, 'load_torque': 150.0, 'flow': 2e-4,
+             'high_line': 1.0}
     scaled = {'pressure': 0.8, 'speed': 1.2, 'warmth': -0.5, 'pump': 5.0, 'pprv': 3.0,
               'cosine': np.cos(1.0), 'sine': np.sin(1.0), 'torque': 1.5, 'flow': 2.0}
     variables = formula.VARIABLES[name]
@@ -83,6 +84,12 @@ def test_formula_is_what_it_says(name):
     sign = -1 if effect.slot.endswith('flow_loss') else 1
     assert value(formula.values(name, terms)) == pytest.approx(sign * expected)
     assert value(formula.values(name, [])) == 0
+    for way, ways in (('forwards', 1), ('backwards', 0), ('line_a', 1), ('line_b', 0)):
+        if way in variables:
+            only = formula.values(name, [(2.0, [way])])
+            assert value(only) == sign * 2.0 * ways
+            reversing = {**only, 'motor_speed': -12.0, 'high_line': -1.0}
+            assert value(reversing) == sign * 2.0 * (1 - ways)
 
 
 def test_formula_is_adopted_on_request_only(tmp_path, capsys):
