@@ -104,11 +104,13 @@ def unlisted_replacement(search: Search, best: Candidate,
 
 
 def _warms(campaign: Campaign) -> bool:
+    """Say whether logs of a whole drive show what goes with the oil temperature."""
     return not campaign.by_balance and bool(WARMS <= np.ptp(np.concatenate(
         [replay.inputs['oil_temperature'] for replay in campaign.replays])))
 
 
 def _reverses(campaign: Campaign) -> bool:
+    """Say whether a log turns both ways."""
     return campaign.by_balance and any(replay.reverses for replay in campaign.replays)
 
 
