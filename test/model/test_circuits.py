@@ -33,6 +33,18 @@ def moved(rig, command, torque, effects=None, seconds=6.0, compiled=None):
                                   'opposing_torque': np.full(len(time), torque)}, {})
 
 
+@pytest.mark.parametrize('torque, as_limiter, way', [
+    (3000.0, 0.0, -1), (3000.0, 1.0, -1), (-3000.0, 0.0, 1), (-3000.0, 1.0, -1)])
+def test_a_plate_yields_as_its_pistons_press_or_as_a_power_limiter(torque, as_limiter, way):
+    """A load that drives turns the pressure round: pistons then push the plate further out."""
+    _, found = moved(CLOSED, 6.0, torque, {'swash_compliance': {
+        'share_at_100_bar': 0.03, 'as_limiter': as_limiter}}, seconds=12.0)
+    difference = found['line_a_pressure'][-1] - found['line_b_pressure'][-1]
+    assert np.sign(difference) == np.sign(torque)
+    assert found['pump_displacement'][-1] == pytest.approx(
+        71 * CC_REV * (5.0 / 9.0 + way * 0.03 * abs(difference) / 1e7), rel=1e-4)
+
+
 @pytest.mark.parametrize('pump, motor', [(0.0, 0.0), (0.02, 0.03)], ids=['sheet', 'worn'])
 def test_steady_state_of_a_closed_circuit_by_hand(pump, motor):
     """
