@@ -15,7 +15,7 @@ from hst_drive.errors import InputError
 from hst_drive.measure.balances import is_table, lacking, what_would_close
 from hst_drive.measure.circuit_balances import CHANGES, SETTLES, tell
 from hst_drive.measure.commands import Between, HELD
-from hst_drive.measure.part import PartReplay
+from hst_drive.measure.part import NARROW, PartReplay
 from hst_drive.measure.readings import filled
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
@@ -24,9 +24,10 @@ from hst_drive.model.circuit_model import CircuitModel
 from hst_drive.model.circuits import Balance
 from hst_drive.model.part import PartModel
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 _STEADY = 0.03      # s, over which a speed is smoothed at least that may have been read late
+_SLOW_ROWS = 0.07   # s: fewer rows than are asked for (20 a second)
 _SMALL = 0.05       # of the lag of what moves pump or valve: another one in series with it
 _FEW = 0.02         # of the rows: a signal that is judged in fewer is not
 
@@ -135,7 +136,7 @@ class CircuitReplay(PartReplay):
         return max(width, _STEADY / self.run.sample_time) if name == 'motor_speed' else width
 
     def _behind(self, model: PartModel, channels: dict[str, np.ndarray]) -> np.ndarray | float:
-        """Return by how much the shaft is ahead of the reading of its speed, rad/s."""
+        """Return by how much the reading of the speed is behind the shaft, rad/s."""
         first, second = (model.terms(f'speed_reading{kind}_lag', {}) for kind in ('', '_series'))
         if not first + second or 'motor_speed' not in channels:
             return 0.0
@@ -147,8 +148,12 @@ class CircuitReplay(PartReplay):
     def _state(self, model: PartModel, channels: dict[str, np.ndarray],
                before: float = SETTLES) -> dict[str, Any]:
         assert isinstance(model, CircuitModel)
-        return tell(model, channels, self.run.time, self.inputs.get('motor_angle'),
-                    self._behind(model, channels), before)
+        behind = ahead = self._behind(model, channels)
+        if np.ndim(behind) and self.run.sample_time > _SLOW_ROWS:
+            # These tell no rate by themselves.
+            ahead = gaussian_filter1d(behind, NARROW, mode='nearest')
+        return {**tell(model, channels, self.run.time, self.inputs.get('motor_angle'), ahead,
+                       before), 'behind': behind}
 
 
 def replay_of(run: Run, model: Drive | PartModel) -> Replay | PartReplay:

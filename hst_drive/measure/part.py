@@ -33,7 +33,7 @@ from hst_drive.rig.rig import NO_SIGN, Sensor
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-_NARROW, _WIDE = 1.5, 0.2   # the Gaussian's deviation: in samples at least, in s at most
+NARROW, _WIDE = 1.5, 0.2    # the Gaussian's deviation: in samples at least, in s at most
 _LEAST_ROWS = 12
 # Of the usual speed: below it friction hangs on how it changes its sign. Operating points stand.
 _CREEPING = 0.05        # as ``useful.refuse_unjudged`` says
@@ -166,7 +166,7 @@ class PartReplay:
             return 0.0
         noise = self._noise_of(source, model) if source in self._channels else 0.0
         seconds = min(gain * noise / (np.sqrt(2.0) * self.noise[name]), _WIDE)
-        return max(seconds / self.run.sample_time, _NARROW)
+        return max(seconds / self.run.sample_time, NARROW)
 
     def _rate_gain(self, name: str, model: PartModel) -> tuple[float, str]:
         """Return the usual factor on a rate in a balance, and the channel of that rate."""
