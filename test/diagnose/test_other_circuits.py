@@ -20,6 +20,12 @@ def _slowly(run):
         name: values[::step] for name, values in run.channels.items()})
 
 
+def _diagnosed(rig, logs):
+    """Diagnose a campaign, its last log held out."""
+    return diagnose(rig, [run for name, run in logs.items() if name != 'holdout'],
+                    [logs['holdout']])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('effect, seed', [
     ('suction_starvation=1.083', 7001), ('gear_backlash=0.71', 7002),
@@ -28,8 +34,7 @@ def test_a_closed_circuit_names_first_what_others_imitate(tmp_path, effect, seed
     """Beside a leakage that follows viscosity, which each machine of that generator has."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', effect,
                                 '--seed', str(seed))
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     name, = truth['effects']
     first, *others = found.effects
     assert first.id == name and found.probability.effects[name] > 0.8
@@ -53,8 +58,7 @@ def test_a_small_leak_is_named_beside_a_play_that_leaves_little(tmp_path):
     """The leak takes a fortieth of what the play leaves, which is below the floor."""
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect',
                                 'pump_hysteresis=1.2,cross_port_leakage=1.2', '--seed', '30202')
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     named = [entry.id for entry in found.effects]
     assert {*truth['effects']} <= {*named} <= {*truth['effects'], 'leakage_temperature'}
 
@@ -75,8 +79,7 @@ def test_a_leak_is_named_whose_power_runs_to_its_end_when_all_rows_count(tmp_pat
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--kind', 'single',
                                 '--seed', '9683')
     assert [*truth['effects']] == ['pump_leakage']
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     first = found.effects[0]
     assert 'pump_leakage' in (first.id, *first.indistinguishable_from)
 
@@ -93,8 +96,7 @@ def test_behind_a_valve_what_is_there_is_named_alone(tmp_path, kind, seed, named
     rig, logs, truth = campaign(tmp_path, '--circuit', 'valve', '--kind', kind,
                                 '--seed', str(seed))
     assert kind == 'none' or [*truth['effects']] == named
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert [entry.id for entry in found.effects] == named
     for entry in found.effects:
         size = next(iter(entry.parameters.values()))
@@ -134,8 +136,7 @@ def test_a_servo_valve_before_the_plate_takes_a_part_of_its_lag(tmp_path, seed):
                                 '--seed', str(seed))
     whole = rig.pump.displacement_lag + truth['si_parameters']['extra_lag']
     rig = replace(rig, pump=replace(rig.pump, displacement_lag=whole))
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert {entry.id for entry in found.effects} <= {'leakage_temperature'}
     assert found.verdict != 'unknown'
 
@@ -159,8 +160,7 @@ def test_what_acts_one_way_only_is_not_two_effects(tmp_path, effect, seed, enter
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', f'{effect}=1.5',
                                 '--seed', str(seed))
     assert [*truth['enters']] == [effect]
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert (found.verdict, found.unknown.enters) == ('unknown', enters)
 
 
@@ -170,8 +170,7 @@ def test_a_dead_time_is_no_lag(tmp_path):
     rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--kind', 'none', '--seed', '32053')
     logs = {name: replace(run, channels={**run.channels, 'pump_command': np.interp(
         run.time + 0.06, run.time, run['pump_command'])}) for name, run in logs.items()}
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert (found.verdict, found.unknown.enters) == ('unknown', 'pump_actuator')
     assert 'dead time' in found.sentence
 
@@ -180,8 +179,7 @@ def test_a_dead_time_is_no_lag(tmp_path):
 def test_a_lag_is_no_dead_time(tmp_path):
     rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', 'pump_lag=1',
                                 '--seed', '32061')
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert found.verdict == 'missing_effect' and found.effects[0].id == 'pump_lag'
 
 
@@ -189,7 +187,6 @@ def test_a_lag_is_no_dead_time(tmp_path):
 def test_an_offset_and_a_leak_are_no_leak_from_one_line(tmp_path):
     rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--effect',
                             'pump_command_offset=1,cross_port_leakage=1', '--seed', '32024')
-    held_out = logs.pop('holdout')
-    found = diagnose(rig, list(logs.values()), [held_out])
+    found = _diagnosed(rig, logs)
     assert {'pump_command_offset', 'cross_port_leakage'} <= {entry.id for entry in found.effects}
     assert found.verdict != 'unknown'
