@@ -95,12 +95,21 @@ def unlisted_replacement(search: Search, best: Candidate,
         trial = _best(search, best, [
             *fitted_forms(search.campaign, best.fit.model.without(name), forms),
             *_actuator(search, best, name)], left)
-        if trial:
-            found[name] = Unlisted(
-                f'comes near, but {trial.what} in its place '
-                f'{how_much_better(search, best, trial.fit)}',
-                as_unknown(search.campaign, lambda: without(search, best, [name]).fit, trial))
+        found |= _withdrawn(search, best, [name], trial)
     return found or _together(search, best, left)
+
+
+def _withdrawn(search: Search, best: Candidate, names: Sequence[str],
+               trial: Trial | None) -> dict[str, Unlisted]:
+    """Return effects of a set with what fits better in their place, if anything does."""
+    if trial is None:
+        return {}
+    together, whose = ('together ', 'their') if len(names) > 1 else ('', 'its')
+    come = 'come' if together else 'comes'
+    return dict.fromkeys(names, Unlisted(
+        f'{together}{come} near, but {trial.what} in {whose} place '
+        f'{how_much_better(search, best, trial.fit)}',
+        as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)))
 
 
 def _warms(campaign: Campaign) -> bool:
@@ -114,31 +123,28 @@ def _reverses(campaign: Campaign) -> bool:
     return campaign.by_balance and any(replay.reverses for replay in campaign.replays)
 
 
-# In the place of several effects, which together imitate much: their slots, the first of which
-# must be among them, what the logs must show, and what is tried.
+# In the place of several effects, which together imitate much: slots that must be among theirs,
+# others, what the logs must show, and what is tried.
 _SEVERAL = (
-    (('', 'motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading'), _warms,
+    (set(), {'motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading'}, _warms,
      _OF_WARMTH),
-    (('pump_command', 'pump_flow_loss', 'motor_flow_loss', 'cross_port_flow'), _reverses,
+    ({'pump_command'}, {'pump_flow_loss', 'motor_flow_loss', 'cross_port_flow'}, _reverses,
      _FROM_ONE_LINE),
-    (('motor_torque', 'motor_torque_loss'), _reverses, _ONE_WAY))
+    ({'motor_torque'}, {'motor_torque_loss'}, _reverses, _ONE_WAY))
 
 
 def _together(search: Search, best: Candidate, left: Container[str]) -> dict[str, Unlisted]:
     """Return the effects in whose common place one thing that is not listed fits better."""
-    for (first, *rest), shown, tried in _SEVERAL:
-        slots = {name: catalogue()[name].slot for name in best.names}
-        names = [name for name, slot in slots.items() if slot in (first, *rest)]
-        if len(names) < 2 or first and first not in slots.values() or not shown(search.campaign):
-            continue
-        model = best.fit.model.without(*names)
-        # Of what explains as much one cause is a better answer than several.
-        if trial := _best(search, best, fitted_forms(search.campaign, model, tried), left,
-                          simpler=True):
-            unknown = as_unknown(search.campaign, lambda: without(search, best, names).fit, trial)
-            return dict.fromkeys(names, Unlisted(
-                f'together come near, but {trial.what} in their place '
-                f'{how_much_better(search, best, trial.fit)}', unknown))
+    slots = {name: catalogue()[name].slot for name in best.names}
+    for needed, others, shown, tried in _SEVERAL:
+        names = [name for name, slot in slots.items() if slot in needed | others]
+        if len(names) > 1 and needed <= {*slots.values()} and shown(search.campaign):
+            model = best.fit.model.without(*names)
+            # Of what explains as much one cause is a better answer than several.
+            trial = _best(search, best, fitted_forms(search.campaign, model, tried), left,
+                          simpler=True)
+            if trial:
+                return _withdrawn(search, best, names, trial)
     return {}
 
 

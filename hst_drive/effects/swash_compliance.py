@@ -39,7 +39,7 @@ EFFECT = Effect(
                   'part of it that goes with the stroke: the moment of the pistons on the plate '
                   'goes with both', usual=(0.0, 1.0)),
         Parameter('as_limiter', '1', 0.0, 1.0, 0.0, 'in a closed circuit: 1 if the stroke falls '
-                  'whichever side drives, as under a power limiter', fixed=True),
+                  'whichever side drives, as under a power limiter', needs='line_b_pressure'),
     ),
     telltale='Displacement, and with it flow, falls with pressure whatever the command; after a '
              'step of load it falls as slowly as the plate moves.',

@@ -67,7 +67,7 @@ def circuit_state(model: PartModel, channels: Mapping[str, np.ndarray], time: np
 
 
 def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarray,
-         angle: np.ndarray | None = None, behind: np.ndarray | float = 0.0,
+         angle: np.ndarray | None = None, ahead: np.ndarray | float = 0.0,
          before: float = SETTLES, max_step: float | None = None) -> dict[str, Any]:
     """
     Return what the equations say with all measured states in place.
@@ -82,7 +82,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
         s.
     angle : ndarray, optional
         Of the hydromotor's shaft, rad.
-    behind : ndarray or float
+    ahead : ndarray or float
         By how much the shaft is ahead of the reading of its speed, rad/s.
     before : float
         How long (s) before the first row what is not told settles.
@@ -93,13 +93,15 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     -------
     dict
         Quantities and states; 'viscosity_ratio'; 'true': the channels as they are where a sensor
-        reads something else; 'behind'; 'without', which evaluates with one measured state free.
+        reads something else; 'without', which evaluates with one measured state free.
 
     """
     true = dict(channels)
-    for name in ('line_a_pressure', 'motor_speed'):
-        if name in true:
-            true[name] = true[name] - _reading(model, channels, name, true[name], behind)
+    if 'motor_speed' in true:
+        true['motor_speed'] = true['motor_speed'] + ahead
+    if 'line_a_pressure' in true:
+        true['line_a_pressure'] = true['line_a_pressure'] - misread(
+            model, channels, 'line_a_pressure', true['line_a_pressure'])
     ratio = true.setdefault('viscosity_ratio', model.rig.viscosity_ratio(true.get(
         'oil_temperature', np.full(len(time), model.rig.characterised_at))))
     states = [entry.name for entry in model.circuit.states]
@@ -113,8 +115,7 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
                           _earlier(known), max_step=None if free else max_step)
         return {name: values[1:] for name, values in found.items()}
 
-    return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'behind': behind,
-            'without': without}
+    return {**without(''), 'viscosity_ratio': ratio, 'true': true, 'without': without}
 
 
 def _earlier(values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -142,13 +143,9 @@ def _by_parts(balance: Balance, model: CircuitModel, known: Known, channels: Kno
     # Summed before it is smoothed: the lines may change their parts at any row.
     stored += found[parts[0].turns] if parts[0].turns else 0.0
     value = value - weak.rate(stored)
-    return value + _reading(model, channels, balance.signal, value, weak.mean(known['behind']))
-
-
-def _reading(model: CircuitModel, channels: Known, signal: str, value: Any,
-             behind: np.ndarray | float) -> Any:
-    """Return what effects of its sensor add to a signal."""
-    return -behind if signal == 'motor_speed' else misread(model, channels, signal, value)
+    if balance.signal == 'motor_speed':
+        return value - weak.mean(known.get('behind', 0.0))
+    return value + misread(model, channels, balance.signal, value)
 
 
 def misread(model: CircuitModel, channels: Known, signal: str, value: Any) -> Any:

@@ -14,6 +14,7 @@ from hst_drive.measure.compare import compare, model_of
 from hst_drive.rig import load_rig
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 make = pytest.importorskip('test.truth.closed.make')
 
@@ -53,14 +54,8 @@ def test_a_filter_of_the_speed_is_undone_where_the_drive_is_fast(tmp_path, lag):
     """
     rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--kind', 'none', '--seed', '32053')
     run = logs['reverse']
-    step, speed = run.sample_time, run['motor_speed']
-    gone = np.exp(-step / lag)
-    late, slope = np.empty(len(speed)), np.diff(speed, prepend=speed[0]) / step
-    late[0] = speed[0]
-    for row in range(1, len(speed)):
-        # Of a ramp the reading is behind by lag times its slope.
-        late[row] = (speed[row] - lag * slope[row]
-                     + (late[row - 1] - speed[row - 1] + lag * slope[row]) * gone)
+    _, late, _ = lsim((-1.0 / lag, 1.0 / lag, 1.0, 0.0), run['motor_speed'],
+                      run.sample_time * np.arange(len(run)), X0=run['motor_speed'][0])
     filtered = replace(run, channels={**run.channels, 'motor_speed': late})
     model = model_of(rig, [run])
     replay = replay_of(filtered, model)
