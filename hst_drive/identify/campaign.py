@@ -22,6 +22,7 @@ from hst_drive.identify.evidence import CREDIBLE, STRONG
 from hst_drive.identify.model import Model
 from hst_drive.identify.zeros import as_read, DELAY, delays_of, LEARNT_DELAY, zeros_of
 from hst_drive.measure.circuit import replay_of
+from hst_drive.measure.floor import of_rough_load
 from hst_drive.measure.judged import judged, start_of
 from hst_drive.measure.oscillation import means_where, shaking
 from hst_drive.measure.replay import Replay
@@ -74,6 +75,8 @@ class Campaign:
         self.judge = self.drive
         self.floors = self._floors(self.drive)
         self._own_floors: dict[str, list[dict[str, float]]] = {}    # by model
+        self.rough_load = [{} if self.by_balance else of_rough_load(replay, self.drive)
+                           for replay in self.replays]
         self.signals = tuple(dict.fromkeys(
             name for replay in self.replays for name in replay.signals))
         self._splits = [

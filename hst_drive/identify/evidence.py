@@ -32,7 +32,7 @@ _TAIL = 30.0        # samples by which the scale of a piece is known
 BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
 # The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
 _POWER = 0.25       # of the likelihood of a replay
-_UNLISTED = 0.3     # prior odds of something unlisted against one listed effect or none
+_UNLISTED = 0.08    # prior odds of something unlisted against one listed effect or none
 USUAL = 3.0         # typical sizes, within which half of all effects lie
 DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass and Raftery)
 # Log odds from which on an effect is named, and a rival is told no more; and a first effect
@@ -232,17 +232,16 @@ def probability(explanations: Sequence[Explanation], sensors: Mapping[str, Senso
 def evidence(entry: Explanation, sensors: Mapping[str, Sensor],
              candidates: int) -> tuple[float, float]:
     """Return the evidence of a set alone, and with something unlisted beside it."""
-    alone = beside = 0.0
+    power = weight(len(entry.signals))
+    # What is not listed and was fitted is one more of as many.
+    count = len(entry.effects) - entry.known + (not entry.listed)
+    alone = beside = entry.penalty - count * float(np.log(max(candidates, 1)))
     for name, signal in entry.signals.items():
-        likely = likelihoods(signal.pieces, sensors[name])
+        likely = power * likelihoods(signal.pieces, sensors[name])
         formula = likely + _as_share(signal, entry.share, sensors[name].sheet)
         alone += _added(formula)
         # Each signal shows it or does not.
-        beside += _added([*formula, *(likely + _ANY_SIZE)]) - float(np.log(2.0))
-    # What is not listed and was fitted is one more of as many.
-    count = len(entry.effects) - entry.known + (not entry.listed)
-    before = entry.penalty - count * float(np.log(max(candidates, 1)))
-    alone, beside = (before + weight(len(entry.signals)) * value for value in (alone, beside))
+        beside += _added([*formula, *(likely + _ANY_SIZE)])
     return (alone, beside) if entry.listed else (-np.inf, alone)
 
 
@@ -251,13 +250,14 @@ def expected_odds(signals: Mapping[str, Signal], sensors: Mapping[str, Sensor],
     """Return the expected log odds of the truth over a model that leaves ``signals``."""
     if not signals:
         return 0.0
-    total = 0.0
+    total, power = 0.0, weight(len(signals))
     for name, signal in signals.items():
         sensor = sensors[name]
         own = _as_share(signal, share, sensor.sheet)
         right = sum(len(errors) * _of_truth(sensor, errors.shape[1]) for errors in signal.pieces)
-        total += _added(own + right) - _added(own + likelihoods(signal.pieces, sensor, True))
-    return weight(len(signals)) * total
+        total += (_added(own + power * right)
+                  - _added(own + power * likelihoods(signal.pieces, sensor, True)))
+    return total
 
 
 @lru_cache(maxsize=256)

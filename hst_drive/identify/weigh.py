@@ -175,11 +175,11 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
         # The errors of a part were smoothed: there no noise is white.
         white = 0.0 if part else min((replay.noise[column.signal] * column.scale)**2, 1.0)
         rows = max(BIN / replay.run.sample_time, 1.0)
-        slow = not part and column.signal == replay.torque and replay.roughness.std > 0.0
+        rough = campaign.rough_load[column.log].get(column.signal)
         known.setdefault(column.signal, []).append((
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
-            max(replay.roughness.time_constant, _QUICK) if slow else _QUICK,
+            max(rough.time_constant, _QUICK) if rough and rough.std > 0.0 else _QUICK,
             float(np.hypot(replay.sheet_error(column.signal) * column.scale,
                            campaign.oil_error(column.signal))) if part else 0.0))
     return {name: Sensor(*map(float, np.median(entries, axis=0)))

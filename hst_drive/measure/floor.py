@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hst_drive.measure.balances import BALANCES
-from hst_drive.measure.noise import estimate_coloured, steady_noise
+from hst_drive.measure.noise import Coloured, estimate_coloured, steady_noise
 from hst_drive.measure.readings import filled
 from hst_drive.measure.recorded_load import DRAWS
 from hst_drive.measure.run import BLOCK, usual_size
@@ -51,8 +51,7 @@ def replay_floor(replay: Replay, drive: Drive,
 
     Sensor noise, what no sheet tells of a leakage, and what the part of the load torque that the
     smoothing misses, and commands that no row shows, do to the replay: draws of them are replayed.
-    Where no torque is measured the roughness of the load is not known; then what varies faster
-    than about a second and is coloured counts as its work.
+    Where no torque is measured, what is coloured counts as the work of the load.
 
     Parameters
     ----------
@@ -68,24 +67,36 @@ def replay_floor(replay: Replay, drive: Drive,
     drain = BALANCES['case drain']
     if drain.signal in power:
         power[drain.signal] += (drain.untold * usual_size(replay.run[drain.signal]))**2
-    if not replay.can_correct:
-        given = replay.predict(drive)
-        for name in replay.signals:
-            rest = filled(replay.run[name] - given[name])
-            rest = rest - replay.readings.slow(rest)
-            power[name] += estimate_coloured(replay.run.time, rest, replay.noise[name]).std**2
     added: list[dict[str, float]] = []
     if replay.can_correct:
         misread = replay.misread(drive)
         power[replay.torque] = misread.noise_std**2
         if misread.std > 0:
             added += [_of_the_load(replay, drive, count), {replay.torque: misread.std**2}]
+    else:
+        added.append({name: rough.std**2 for name, rough in of_rough_load(replay, drive).items()})
     if any(steps.guessed for steps in replay.steps.values()):
         added.append(_of_guesses(replay, drive))
     for entry in added:
         for name, value in entry.items():
             power[name] += value
     return {name: float(np.sqrt(value)) for name, value in power.items()}
+
+
+def of_rough_load(replay: Replay, drive: Drive) -> dict[str, Coloured]:
+    """
+    Return what is coloured in the signals that a rough load moves.
+
+    In the torque if it was read; else in each signal what varies faster than about a second.
+    """
+    if replay.can_correct:
+        return {replay.torque: replay.roughness}
+    given, found = replay.predict(drive), {}
+    for name in replay.signals:
+        rest = filled(replay.run[name] - given[name])
+        found[name] = estimate_coloured(replay.run.time, rest - replay.readings.slow(rest),
+                                        replay.noise[name])
+    return found
 
 
 def _of_the_load(replay: Replay, drive: Drive, count: np.ndarray | None) -> dict[str, float]:

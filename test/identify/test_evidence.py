@@ -172,6 +172,15 @@ def test_what_no_set_explains_is_unknown():
     assert found.unknown > 0.95
 
 
+def test_what_one_signal_of_four_shows_is_unknown():
+    left = {name: noise(number) for number, name in enumerate(('speed', 'flow', 'in', 'out'))}
+    left['flow'] = left['flow'] + 0.5 * WAVE
+    found = probability([Explanation((), {name: Signal((errors,), 0.0)
+                                          for name, errors in left.items()}, 0.0)],
+                        dict.fromkeys(left, SENSOR), 30)
+    assert found.unknown > 0.9
+
+
 def test_a_formula_that_is_a_tenth_off_is_not_unknown():
     left = noise(7)
     found = probability([explanation((), left + 4 * WAVE),

@@ -3,7 +3,7 @@
 """Replay: a perfect model reaches its floor, whatever was recorded and however fast."""
 from hst_drive.errors import InputError
 from hst_drive.measure.compare import compare
-from hst_drive.measure.floor import replay_floor
+from hst_drive.measure.floor import of_rough_load, replay_floor
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
@@ -131,6 +131,19 @@ def test_without_torque_the_record_shows_the_roughness():
         # Nothing is missing in the model: what is left must not look like it.
         assert 0.7 < compare(drive, [run]).signals['motor_speed'].noise_ratio < 1.3
     assert floors[0] < 1.2 < 1.5 < floors[1]
+
+
+@pytest.mark.needs_numba
+@pytest.mark.parametrize('time_constant', [0.05, 0.3])
+def test_without_torque_a_rough_load_moves_the_pressure_for_as_long_as_it_lasts(time_constant):
+    """Its correlation after 0.1 s, against a twin in smooth rock; what is slow is motion."""
+    rough, smooth = (record(20, leave_out=('load_torque',), roughness=roughness,
+                            time_constant=time_constant) for roughness in (3.0, 0.0))
+    moved = (rough['pump_outlet_pressure'] - smooth['pump_outlet_pressure'])[200:]
+    alike = moved[:-10] @ moved[10:] / (moved @ moved)
+    drive = Drive(RIG)
+    found = of_rough_load(Replay(rough, drive), drive)['pump_outlet_pressure']
+    assert alike - 0.3 < np.exp(-0.1 / found.time_constant) < alike
 
 
 @pytest.mark.needs_numba
