@@ -175,7 +175,9 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
         # The errors of a part were smoothed: there no noise is white.
         white = 0.0 if part else min((replay.noise[column.signal] * column.scale)**2, 1.0)
         rows = max(BIN / replay.run.sample_time, 1.0)
-        rough = campaign.rough_load[column.log].get(column.signal)
+        # What shakes slow records is no load, and quick.
+        rough = None if campaign.slow(column.signal) else (
+            campaign.rough_load[column.log].get(column.signal))
         known.setdefault(column.signal, []).append((
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
