@@ -281,15 +281,14 @@ def decided(found: Probability, named: Collection[tuple[str, ...]]) -> Probabili
     """
     Return probabilities that know the answer: the sets that are ``named``, or *unknown* if none.
 
-    The likelihood does not know which rows were held out; the answer does. It multiplies the odds
-    of what it says, and makes that at least as probable as not.
+    The likelihood does not know which rows were held out; the answer does, and is at least as
+    probable as not.
     """
     said = found.none * (() in named) + sum(
         share for names, share in found.sets if names in named) if named else found.unknown
-    if not 0.0 < said < 1.0:
+    if not 0.0 < said < 0.5:
         return found
-    share = max(DECIDED * said / (DECIDED * said + 1.0 - said), 0.5)
-    yes, no = share / said, (1.0 - share) / (1.0 - said)
+    yes, no = 0.5 / said, 0.5 / (1.0 - said)
     sets = sorted(((names, (yes if names in named else no) * value)
                    for names, value in found.sets), key=lambda item: -item[1])
     return found._replace(none=found.none * (yes if () in named else no),
