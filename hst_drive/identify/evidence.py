@@ -30,10 +30,11 @@ from scipy.special import erf
 BIN = 0.1           # s; errors are means over it, and a discrepancy is alike over ``BLOCK``
 _TAIL = 30.0        # samples by which the scale of a piece is known
 BASELINE = 0.2     # floors, by which the datasheet's curves are off between their points
-# The next three were chosen by the log score of 89 simulated campaigns (bench/README.md).
+# The next two were chosen by the log score of 89 simulated campaigns (bench/README.md), the third
+# so that healthy drives are told with about 0.95.
 _POWER = 0.25       # of the likelihood of a replay
-_UNLISTED = 0.08    # prior odds of something unlisted against one listed effect or none
 USUAL = 3.0         # typical sizes, within which half of all effects lie
+_UNLISTED = 0.08    # prior odds of something unlisted against one listed effect or none
 DECIDED = 3.0       # odds below which evidence is hardly worth a mention (Kass and Raftery)
 # Log odds from which on an effect is named, and a rival is told no more; and a first effect
 # against a machine's own past, which is off its formulas as the new logs are (Kass and Raftery).
