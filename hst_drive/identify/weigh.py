@@ -175,15 +175,15 @@ def _sensors(campaign: Campaign) -> dict[str, Sensor]:
         # The errors of a part were smoothed: there no noise is white.
         white = 0.0 if part else min((replay.noise[column.signal] * column.scale)**2, 1.0)
         rows = max(BIN / replay.run.sample_time, 1.0)
+        rough, memory = campaign.rough_load[column.log].get(column.signal), _QUICK
         # What shakes slow records is no load, and quick.
-        rough = None if campaign.slow(column.signal) else (
-            campaign.rough_load[column.log].get(column.signal))
+        if rough and rough.std > 0.0 and not campaign.slow(column.signal):
+            memory = max(rough.time_constant, _QUICK)
         known.setdefault(column.signal, []).append((
             # What a slow record does not show of commands and load shakes the replay, too.
             white / rows + _ROUGH, 1.0 - white + campaign.scatter(column.signal),
-            max(rough.time_constant, _QUICK) if rough and rough.std > 0.0 else _QUICK,
-            float(np.hypot(replay.sheet_error(column.signal) * column.scale,
-                           campaign.oil_error(column.signal))) if part else 0.0))
+            memory, float(np.hypot(replay.sheet_error(column.signal) * column.scale,
+                                   campaign.oil_error(column.signal))) if part else 0.0))
     return {name: Sensor(*map(float, np.median(entries, axis=0)))
             for name, entries in known.items()}
 
