@@ -26,7 +26,7 @@ from hst_drive.identify.phases import once_a_turn
 from hst_drive.identify.search import Candidate, Search
 from hst_drive.identify.standing import without
 from hst_drive.identify.timing import (
-    DEAD_TIME, LATE_READINGS, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
+    DEAD_TIME, LATE_READINGS, ONE_MORE_LAG, ONE_WAY_SLOWER, reads_late, Timing, with_timing)
 from hst_drive.measure.readings import best_delay, LONGEST_DELAY
 from hst_drive.measure.where import WARMS
 from hst_drive.rig.schema import ONE_SIDED
@@ -218,9 +218,12 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
             replay.static or 'pump_command' not in replay.inputs
             for replay in search.campaign.replays):
         return []
-    model = best.fit.model.without(name)
-    return [_timed(search, best.fit._replace(model=model), timing)
-            for timing in (DEAD_TIME, ONE_WAY_SLOWER)]
+    bare = best.fit._replace(model=best.fit.model.without(name))
+    late, slower = (_timed(search, bare, timing) for timing in (DEAD_TIME, ONE_WAY_SLOWER))
+    # A row of lags is nearly a dead time, and still the effect.
+    row = late.fit if search.score(late.fit) >= best.score else _timed(
+        search, best.fit, ONE_MORE_LAG).fit
+    return [slower] if search.score(row) < search.score(late.fit) else [late, slower]
 
 
 def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:

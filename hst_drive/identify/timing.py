@@ -54,6 +54,10 @@ def _later(pump: Pump, time: np.ndarray, command: np.ndarray, delay: float) -> n
     return np.interp(time - delay, time, command)
 
 
+def _one_more_lag(pump: Pump, time: np.ndarray, command: np.ndarray, lag: float) -> np.ndarray:
+    return follow(time, command, max(lag, STAMPS))
+
+
 def _one_way_slower(pump: Pump, time: np.ndarray, command: np.ndarray,
                     slower: float) -> np.ndarray:
     """Return the command for a plate whose lag is longer on the way down, or if < 0 up."""
@@ -87,6 +91,8 @@ def reads_late(signal: str) -> tuple[Timing, Timing]:
 
 DEAD_TIME = _of_the_pump(_later, lambda delay: f'a dead time of {1e3 * delay:.0f} ms',
                          (0.0, 0.4))
+ONE_MORE_LAG = _of_the_pump(_one_more_lag, lambda lag: f'one more lag of {1e3 * lag:.0f} ms',
+                            (0.0, 0.4))
 ONE_WAY_SLOWER = _of_the_pump(_one_way_slower, lambda slower: (
     f"a lag that is {1 + abs(slower):.3g} times as long on the plate's way "
     + ('down as up' if slower > 0 else 'up as down')), (-4.0, 4.0))
