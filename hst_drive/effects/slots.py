@@ -31,6 +31,8 @@ SLOTS: dict[str, Slot] = {
     'pump_stroke_asymmetry': Slot('pump actuator', '1', 'how much faster up than on average'),
     'pump_yield': Slot('pump actuator', 'm^3/rad', 'taken from the displacement that the command '
                        'asks for'),
+    'displacement_at_once': Slot('pump actuator', 'm^3/rad', 'added to the displacement behind '
+                                 'its control; `pressure` has its sign there'),
     'valve_command': Slot('pump actuator', 'V', 'added to the command of the valve'),
     'valve_lag': Slot('pump actuator', 's', "added to the valve's lag"),
     'pump_speed': Slot('flow', 'rad/s', 'added to the pump shaft speed'),
@@ -79,7 +81,8 @@ SLOTS: dict[str, Slot] = {
 LEAKS = {'pump_flow_loss': 'pump.leakage', 'motor_flow_loss': 'motor.leakage'}
 # Places that the open circuit has not.
 OF_OTHER_CIRCUITS = frozenset({'cross_port_flow', 'charge_pressure', 'charge_wear', 'one_line',
-                               'gear_twist', 'gear_angle', 'valve_command', 'valve_lag'})
+                               'gear_twist', 'gear_angle', 'valve_command', 'valve_lag',
+                               'displacement_at_once'})
 
 # What an effect may read: name -> unit. Constants of the rig stand beside signals.
 READABLE: dict[str, str] = {
@@ -119,6 +122,7 @@ _KNOWN: dict[str, frozenset[str]] = {
     **dict.fromkeys(('charge_wear', 'one_line', 'shaft_load_share', 'shaft_damping_time',
                      'line_inertance', 'line_far_share', 'line_damping', 'speed_reading_lag',
                      'speed_reading_series_lag'), frozenset()),
+    'displacement_at_once': _COMMANDS | {'pressure'},
     'load_torque': frozenset({'load_torque', 'motor_speed', 'motor_angle', 'pprv_command',
                               'oil_temperature', 'pistons'}),
     'torque_reading': frozenset({'load_torque', 'motor_angle', 'oil_temperature'}),

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import Any, Container, Mapping
 
+from hst_drive.channels import LINES
 from hst_drive.effects import effect_of
 from hst_drive.measure.balances import BALANCES, lacking
 from hst_drive.measure.equations import measured_state, Weak
@@ -26,7 +27,8 @@ _STEP = 0.5         # of the actuator's lag, while the drive runs
 CHANGES = 0.1        # s before and after what a balance hangs on that are not judged
 SETTLES = 2.0       # s before the first row in which the actuator settles on its command
 # Sensors that are off: the slot of the term by the signal that it is added to.
-_READINGS = {'line_a_pressure': ('pressure_reading', 'pressure'),
+_READINGS = {'pump_displacement': ('displacement_at_once', 'displacement'),
+             'line_a_pressure': ('pressure_reading', 'pressure'),
              'motor_inlet_flow': ('flow_reading', 'flow'),
              'motor_torque': ('torque_reading', 'load_torque')}
 
@@ -99,9 +101,9 @@ def tell(model: CircuitModel, channels: Mapping[str, np.ndarray], time: np.ndarr
     true = dict(channels)
     if 'motor_speed' in true:
         true['motor_speed'] = true['motor_speed'] + ahead
-    if 'line_a_pressure' in true:
-        true['line_a_pressure'] = true['line_a_pressure'] - misread(
-            model, channels, 'line_a_pressure', true['line_a_pressure'])
+    for name in ('line_a_pressure', 'pump_displacement'):
+        if name in true:
+            true[name] = true[name] - misread(model, true, name, true[name])
     ratio = true.setdefault('viscosity_ratio', model.rig.viscosity_ratio(true.get(
         'oil_temperature', np.full(len(time), model.rig.characterised_at))))
     states = [entry.name for entry in model.circuit.states]
@@ -154,4 +156,6 @@ def misread(model: CircuitModel, channels: Known, signal: str, value: Any) -> An
     if not any(entry == slot for name in model.effects
                for entry, _ in effect_of(name).terms):
         return 0.0
+    if {*LINES} <= channels.keys():
+        channels = {**channels, 'pressure': channels[LINES[0]] - channels[LINES[1]]}
     return model.terms(slot, {**model.complete(channels), reads: value})

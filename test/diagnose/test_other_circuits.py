@@ -187,6 +187,25 @@ def test_a_lag_is_no_dead_time(tmp_path, more):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize('effect, seed, alone', [
+    # Its truth yields at once: oil that is compressed was named, 0.87 and 0.92.
+    ('swash_compliance=1.73', 35003, False), ('swash_compliance=1.3', 36104, False),
+    # Where the displacement is measured both are told.
+    ('swash_compliance=1.3', 36102, True), ('compressibility_flow=1.3', 36101, True)])
+def test_a_plate_that_yields_is_told_from_oil_by_its_displacement(tmp_path, effect, seed, alone):
+    rig, logs, truth = campaign(tmp_path, '--circuit', 'closed', '--effect', effect,
+                                '--seed', str(seed))
+    found = _diagnosed(rig, logs)
+    first, *others = found.effects
+    named = {first.id, *first.indistinguishable_from}
+    assert found.verdict != 'unknown' and not others
+    assert named == ({*truth['effects']} if alone else {
+        'swash_compliance', 'compressibility_flow'})
+    if not alone:
+        assert 'pump_displacement' in found.next_test.what
+
+
+@pytest.mark.slow
 def test_an_offset_and_a_leak_are_no_leak_from_one_line(tmp_path):
     rig, logs, _ = campaign(tmp_path, '--circuit', 'closed', '--effect',
                             'pump_command_offset=1,cross_port_leakage=1', '--seed', '32024')

@@ -45,6 +45,24 @@ def test_a_plate_yields_as_its_pistons_press_or_as_a_power_limiter(torque, as_li
         71 * CC_REV * (5.0 / 9.0 + way * 0.03 * abs(difference) / 1e7), rel=1e-4)
 
 
+@pytest.mark.parametrize('torque', [3000.0, -3000.0])
+@pytest.mark.parametrize('with_stroke', [0.0, 1.0])
+def test_a_plate_that_yields_at_once_ends_where_a_slow_one_does(torque, with_stroke):
+    """Settled, both lines, charge, speed and torque of the pump do not tell them apart."""
+    ends = []
+    for at_once in (0.0, 1.0):
+        _, found = moved(CLOSED, 6.0, torque, {'swash_compliance': {
+            'share_at_100_bar': 0.03, 'with_stroke': with_stroke, 'at_once': at_once}}, 12.0)
+        ends.append({name: values[-1] for name, values in found.items()})
+    slow, quick = ends
+    for name in ('line_a_pressure', 'line_b_pressure', 'motor_speed', 'charge_pressure',
+                 'pump_torque', 'motor_torque'):
+        # Of its own stroke or of that which the command asks for: the square of a small share.
+        assert quick[name] == pytest.approx(slow[name], rel=2e-3), name
+    # What its control holds is not what yields.
+    assert quick['pump_displacement'] == pytest.approx(71 * CC_REV * 5.0 / 9.0, rel=1e-6)
+
+
 @pytest.mark.parametrize('pump, motor', [(0.0, 0.0), (0.02, 0.03)], ids=['sheet', 'worn'])
 def test_steady_state_of_a_closed_circuit_by_hand(pump, motor):
     """

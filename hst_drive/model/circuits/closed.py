@@ -117,7 +117,7 @@ def actuator(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle,
     # slot pump_yield
     settled = aim
     if abs(aim) > 0.0:
-        settled = aim * max(1.0 - pump_yield / abs(aim), 0.0)
+        settled = math.copysign(max(abs(aim) - pump_yield, 0.0), aim)
     stroke_rate = (settled - stroke) / lag
     if rate > 0.0:
         stroke_rate = min(max(stroke_rate, -back_rate), rate)
@@ -141,6 +141,10 @@ def equations(stroke, line_a_pressure, line_b_pressure, motor_speed, motor_angle
     a_high = difference > 0.0 or difference == 0.0 and aim >= 0.0
     high_line = 1.0 if a_high else -1.0
     low, high = min(line_a_pressure, line_b_pressure), max(line_a_pressure, line_b_pressure)
+    displacement, pressure = abs(stroke), difference
+    displacement_at_once = 0.0
+    # slot displacement_at_once
+    stroke += displacement_at_once
     way = 1.0 if stroke >= 0.0 else -1.0
     pump_pressure = way * difference    # of its outlet over its inlet: below 0 where it brakes
     displacement, speed = abs(stroke), abs(motor_speed)
