@@ -41,7 +41,7 @@ def play(rig: Rig, asked: Any, effects: Mapping[str, Any] | Iterable[str] | None
     rig.require('pump', 'motor', 'line', 'relief_valve', 'loading', purpose='simulate')
     more: dict[str, Any]
     if isinstance(effects, Mapping):
-        more = read_effects(given.sizes(effects, 'effects'), 'simulate')
+        more = read_effects(given.sizes(effects, 'effects'), 'simulate', rig.sizes)
     else:
         more = {name: {} for name in given.ids(effects or (), 'effects') if chosen(name)}
     refuse_placeless(part_model(rig), more)

@@ -128,8 +128,8 @@ def _reverses(campaign: Campaign) -> bool:
 _SEVERAL = (
     (set(), {'motor_torque_loss', 'back_pressure', 'line_drop', 'pressure_reading'}, _warms,
      _OF_WARMTH),
-    ({'pump_command'}, {'pump_flow_loss', 'motor_flow_loss', 'cross_port_flow'}, _reverses,
-     _FROM_ONE_LINE),
+    ({'pump_command'}, {'pump_flow_loss', 'motor_flow_loss', 'cross_port_flow', 'pump_yield'},
+     _reverses, _FROM_ONE_LINE),
     ({'motor_torque'}, {'motor_torque_loss'}, _reverses, _ONE_WAY))
 
 

@@ -24,8 +24,9 @@ FORMULA_ERROR = 0.1     # of what an effect does, by which its formula usually i
 _GREATEST = 1e12    # SI: no machine has such a torque or speed
 # Powers of a machine's torque, speed and flow in the units whose sizes go with them.
 _POWERS = {'N.m': (1, 0, 0), 'rad/s': (0, 1, 0), 'N.m.s/rad': (1, -1, 0),
-           'N.m.s^2/rad^2': (1, -2, 0), 'm^3/(s.Pa)': (0, 0, 1), 'Pa.s/m^3': (0, 0, -1),
-           'Pa.s^2/m^6': (0, 0, -2)}
+           'N.m.s^2/rad^2': (1, -2, 0), 'rad/(N.m)': (-1, 0, 0), 'm^3/(s.Pa)': (0, 0, 1),
+           'm^3/s': (0, 0, 1), 'm^3': (0, -1, 1), 'Pa.s/m^3': (0, 0, -1),
+           'Pa.s^2/m^3': (0, 0, -1), 'Pa.s^2/m^6': (0, 0, -2)}
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,14 @@ class Parameter:
     needs: str = ''
     usual: tuple[float, ...] = ()
 
-    def sized(self, torque: float, speed: float, flow: float = 1.0) -> Parameter:
-        """Return it for a machine with so many times the drill drive's torque, speed and flow."""
+    def scale(self, torque: float, speed: float, flow: float) -> float:
+        """Return by what its values grow where torque, speed, flow are so many times as large."""
         of_torque, of_speed, of_flow = _POWERS.get(self.unit, (0, 0, 0))
-        factor = torque**of_torque * speed**of_speed * flow**of_flow
+        return torque**of_torque * speed**of_speed * flow**of_flow
+
+    def sized(self, torque: float, speed: float, flow: float) -> Parameter:
+        """Return it for a machine with so many times the drill drive's torque, speed and flow."""
+        factor = self.scale(torque, speed, flow)
         return replace(self, low=self.low * factor, high=self.high * factor,
                        typical=self.typical * factor,
                        neutral=self.neutral * factor)

@@ -65,7 +65,7 @@ class Campaign:
         self.rig = replace(rig, effects=self.oil.brought(rig.effects), calibration={
             **rig.calibration, **{key: rig.calibration.get(key, 1.0) * factor
                                   for key, factor in self.expected.items()}})
-        self.adopted = self.rig.effects
+        self.adopted, self.sizes = self.rig.effects, rig.sizes
         self.faults = faults_of(self.rig)
         self.drive = self._model()
         self.replays = [replay_of(run.slower(self.finest), self.drive) for run in logs]
@@ -161,8 +161,8 @@ class Campaign:
     def parameter(self, name: str, key: str) -> Parameter:
         """Return a parameter of an effect, with bounds that are plausible on this machine."""
         effect = effect_of(name)
-        found = effect.parameter(key)
-        if self.signed and found is effect.size and effect.slot in LEAKS:
+        found = effect.parameter(key).sized(*self.sizes)
+        if self.signed and key == effect.size.name and effect.slot in LEAKS:
             return replace(found, low=-found.high)
         return found
 

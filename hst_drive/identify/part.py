@@ -60,20 +60,16 @@ class PartCampaign(Campaign):
         tables = all(replay.static for replay in self.replays)
         total = sum(float(np.ptp(replay.run.time)) for replay in self.replays)
         self.block = _ROWS if tables else min(_LONGEST, total / _BLOCKS)
-        self._torque, self._speed = (
+        torque, speed = (
             max((replay.usual(*names) for replay in self.replays), default=0.0) / reference or 1.0
             for names, reference in (((*TORQUES, 'pump_torque'), _TORQUE),
                                      (('motor_speed',), DRILLING_SPEED)))
         # Of a part nobody knows which flow is usual: a bench may have any.
-        self._flow = 1.0 if rig.circuit == OPEN else (
-            self._speed * DRILLING_SPEED * self.drive.motor_displacement / _FLOW)
+        self.sizes = torque, speed, 1.0 if rig.circuit == OPEN else (
+            speed * DRILLING_SPEED * self.drive.motor_displacement / _FLOW)
         if tables:
             # Operating points are chosen one by one: there are no events among them.
             self.events = 0.0
-
-    def parameter(self, name: str, key: str) -> Parameter:
-        """Return a parameter with bounds that go with the torques and speeds of the logs."""
-        return super().parameter(name, key).sized(self._torque, self._speed, self._flow)
 
     def slow(self, name: str = '') -> bool:
         """Say that nothing is replayed, so that nothing drifts out of step."""

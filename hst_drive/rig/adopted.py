@@ -39,13 +39,14 @@ def with_inertia(rig: dict, inertia: float) -> dict:
 
 
 def read_effects(found: object, source: str,
-                 of_any_size: bool = False) -> dict[str, dict[str, float]]:
+                 sizes: tuple[float, float, float] | None = (1.0, 1.0, 1.0)
+                 ) -> dict[str, dict[str, float]]:
     """
     Read ``id: {parameter: value}``, values in SI or texts with a unit.
 
     A parameter that is left out is neutral: a file that was adopted before an effect got that
     parameter keeps the model that was fitted. The first parameter is the effect's size and must
-    be there. In the file of a part a torque may be that of a machine of any size.
+    be there. Bounds are those of a machine of such ``sizes`` (``Rig.sizes``), or of any.
 
     Raises
     ------
@@ -56,11 +57,12 @@ def read_effects(found: object, source: str,
     """
     if not isinstance(found, dict):
         raise InputError(f"{source}: 'effects' is {_shown(found)}, expected effects by id")
-    return {str(name): _effect(str(name), content, source, of_any_size)
+    return {str(name): _effect(str(name), content, source, sizes)
             for name, content in found.items()}
 
 
-def _effect(name: str, content: object, source: str, of_any_size: bool) -> dict[str, float]:
+def _effect(name: str, content: object, source: str,
+            sizes: tuple[float, float, float] | None) -> dict[str, float]:
     effects = catalogue(everything=True)
     where = f'effects.{name}'
     if name not in effects:
@@ -69,7 +71,7 @@ def _effect(name: str, content: object, source: str, of_any_size: bool) -> dict[
                          f'{reason or _near(name, effects, _OWN)}')
     if not isinstance(content, dict):
         raise InputError(f"{source}: '{where}' is {_shown(content)}, expected parameters")
-    declared = {entry.name: entry.of_any_size if of_any_size else entry
+    declared = {entry.name: entry.sized(*sizes) if sizes else entry.of_any_size
                 for entry in effects[name].parameters}
     for key in content:
         if key not in declared:

@@ -3,6 +3,7 @@
 """Strict loading of a rig file: every slip is one line that names file and key."""
 from __future__ import annotations
 
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 from reprlib import repr as short
@@ -98,15 +99,16 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
     temperature = content.get('characterised_at_oil_temperature_degC', 50)
     _number(temperature, *OIL_TEMPERATURES, source, 'characterised_at_oil_temperature_degC',
             'degC')
-    return Rig(
+    rig = Rig(
         name=str(content.get('name', Path(source).stem)), circuit=circuit, **sections,
         sensors=_sensors(content.get('sensors', {}), source),
         tolerances=_tolerances(content.get('tolerances_1_sigma_relative', {}), source),
         characterised_at=to_si(float(temperature), 'degC'),
-        effects=read_effects(content.get('effects', {}), source, of_any_size=part),
         calibration=_factors(content.get('calibration', {}), source),
         fingerprint=read_fingerprint(content[SECTION], source) if SECTION in content else None,
         provenance=provenance, source=source, digest=digest(content))
+    return replace(rig, effects=read_effects(
+        content.get('effects', {}), source, None if part else rig.sizes))
 
 
 def _of_its_circuit(content: dict, circuit: str, source: str) -> None:

@@ -21,6 +21,8 @@ import numpy as np
 OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
+# Of the drill drive, for which the catalogue has its bounds: N.m, rad/s, m^3/s.
+_TORQUE, _SPEED, _FLOW = 620.704, 21.8032, 6.76667e-4
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
 _USUAL = 3.5e7      # Pa, which a drive is made for where nothing tells it
 NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
@@ -293,6 +295,14 @@ class Rig:
         if not (self.pump and self.motor and self.motor.displacement):
             return 0.0
         return self.pump.max_displacement * self.pump.shaft_speed / self.motor.displacement
+
+    @property
+    def sizes(self) -> tuple[float, float, float]:
+        """Torque, speed and flow of a whole drive, over those of the drill drive."""
+        if not self.whole:
+            return 1.0, 1.0, 1.0
+        return (self.motor.displacement * self.rated_pressure / _TORQUE, self.full_speed / _SPEED,
+                self.pump.max_displacement * self.pump.shaft_speed / _FLOW)
 
     @property
     def creeping(self) -> float:

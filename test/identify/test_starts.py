@@ -15,7 +15,8 @@ TRUE = 4.0 * np.exp(-SPEED / 4.0)           # N.m, the exponential form
 class Stalling:
     """A campaign of one signal: the friction that is missing; too much of it stops the shaft."""
 
-    by_balance, starts_known, adopted, signals = False, False, {}, ('motor_speed',)
+    by_balance, starts_known, adopted = False, False, {}
+    signals, sizes = ('motor_speed',), (1.0, 1.0, 1.0)
 
     def typical(self, name):
         return catalogue()[name].typical
