@@ -263,10 +263,12 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
     pressure = pump_pressure - line_upstream_share * line_drop
     if not math.isnan(far_pressure):
         pressure = far_pressure
-    motor_flow_loss = 0.0
+    motor_flow_loss = motor_flow_loss_kept = 0.0
     # slot motor_flow_loss
+    # slot motor_flow_loss kept
     motor_leakage_total = motor_leakage + motor_flow_loss
-    flow = motor_displacement * motor_speed + motor_leakage_total
+    # What it takes along to its outlet is not drained.
+    flow = motor_displacement * motor_speed + motor_leakage_total + motor_flow_loss_kept
 
     pump_speed = nominal_speed
     # slot pump_speed

@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping
 
-from hst_drive.effects import effect_of, READABLE
+from hst_drive.effects import Effect, effect_of, READABLE
 from hst_drive.effects.oil import BULK_MODULUS, DENSITY
 from hst_drive.effects.slots import OF_OTHER_CIRCUITS
 from hst_drive.model.arrays import evaluate
@@ -137,15 +137,22 @@ class PartModel:
 
     def case_drain(self, known: Known) -> Any:
         """Return what the hydromotor leaks into its case from both ports, m^3/s."""
+        # What it takes along to its outlet is not drained.
+        drained = self._with(lambda effect: not effect.kept)
         if 'outlet_pressure' not in known:
             # Of a difference of two ports the one under pressure counts.
-            return self.motor_leakage({**known, 'pressure': np.abs(known['pressure'])})
+            return drained.motor_leakage({**known, 'pressure': np.abs(known['pressure'])})
         # What a formula takes it takes once.
-        listed = copy.copy(self)
-        listed.effects = {name: values for name, values in self.effects.items()
-                          if effect_of(name).searched != 'never'}
-        return self.motor_leakage(known) + listed.motor_leakage({
+        listed = drained._with(lambda effect: effect.searched != 'never')
+        return drained.motor_leakage(known) + listed.motor_leakage({
             **known, 'pressure': known['outlet_pressure']})
+
+    def _with(self, wanted: Callable[[Effect], bool]) -> PartModel:
+        """Return the model with the effects that are wanted."""
+        other = copy.copy(self)
+        other.effects = {name: values for name, values in self.effects.items()
+                         if wanted(effect_of(name))}
+        return other
 
     def line_drop(self, known: Known) -> Any:
         """Return the pressure lost between the pump and the hydromotor, Pa."""

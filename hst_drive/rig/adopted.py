@@ -83,7 +83,7 @@ def _effect(name: str, content: object, source: str,
         raise InputError(f"{source}: key '{where}.{size.name}' is missing; add the effect's size, "
                          f'{size.low:g} to {size.high:g} {size.unit}')
     return {key: _number(content[key], entry, source, f'{where}.{key}') if key in content
-            else entry.neutral for key, entry in declared.items()}
+            else effects[name].neutral[key] for key, entry in declared.items()}
 
 
 def _number(value: object, declared: Parameter, source: str, key: str) -> float:

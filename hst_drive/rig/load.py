@@ -106,9 +106,10 @@ def parse_rig(content: dict, source: str = 'rig') -> Rig:
         characterised_at=to_si(float(temperature), 'degC'),
         calibration=_factors(content.get('calibration', {}), source),
         fingerprint=read_fingerprint(content[SECTION], source) if SECTION in content else None,
-        provenance=provenance, source=source, digest=digest(content))
-    return replace(rig, effects=read_effects(
-        content.get('effects', {}), source, None if part else rig.sizes))
+        provenance=provenance, source=source)
+    # What effects may be goes with the machine's size.
+    effects = read_effects(content.get('effects', {}), source, None if part else rig.sizes)
+    return replace(rig, effects=effects, digest=digest(content))
 
 
 def _of_its_circuit(content: dict, circuit: str, source: str) -> None:

@@ -298,11 +298,12 @@ class Rig:
 
     @property
     def sizes(self) -> tuple[float, float, float]:
-        """Torque, speed and flow of a whole drive, over those of the drill drive."""
+        """Torque, speed and flow of a whole drive, over those of the drill drive; else 1."""
         if not self.whole:
             return 1.0, 1.0, 1.0
-        return (self.motor.displacement * self.rated_pressure / _TORQUE, self.full_speed / _SPEED,
-                self.pump.max_displacement * self.pump.shaft_speed / _FLOW)
+        flow = float(self.pump.max_displacement * self.pump.shaft_speed)
+        return (self.motor.displacement * self.rated_pressure / _TORQUE,
+                flow / self.motor.displacement / _SPEED, flow / _FLOW)
 
     @property
     def creeping(self) -> float:

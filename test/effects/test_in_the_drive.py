@@ -8,6 +8,7 @@ from hst_drive.effects.entrained_air import compliance
 from hst_drive.effects.oil import GRADES, viscosity
 from hst_drive.model import Drive
 from hst_drive.model.compose import kernel
+from hst_drive.model.part import PartModel
 from hst_drive.model.steady import operating_point
 from hst_drive.resources import share
 from hst_drive.rig import default_rig
@@ -50,6 +51,21 @@ def excited(n=600):
         'pump_command': 4.5 + 2.5 * np.sin(0.9 * time) + 1.2 * np.sign(np.sin(2.3 * time)),
         'pprv_command': 3.5 + 2.0 * np.sign(np.sin(1.3 * time)),
         'oil_temperature': 323.15 + 15.0 * np.sin(0.3 * time)}
+
+
+def test_what_a_hydromotor_takes_along_is_not_drained():
+    """Oil that it compresses leaves by its outlet: the meter reads it, the case drain does not."""
+    taken = {'compressibility_flow': {'volume_ratio': 2.0, 'in_motor': 1.0}}
+    assert differ(taken, 'motor_inlet_flow') == pytest.approx(
+        2.0 * RIG.motor.displacement * 10.0 * 90e5 / RIG.line.bulk_modulus, rel=1e-6)
+    assert differ(taken, 'case_drain_flow') == 0.0
+    # Beside a leak, which both read.
+    more, leak = ({'motor_leakage': {'conductance': 1e-12, 'exponent': 1.0}, **entry}
+                  for entry in (taken, {}))
+    known = {'pressure': np.array([90e5]), 'motor_speed': np.array([10.0])}
+    drains = [model.case_drain(model.complete(known)) for model in (
+        PartModel(RIG, entry) for entry in ({}, leak, more))]
+    assert drains[2] == drains[1] > drains[0]
 
 
 # Not those of other circuits, nor what is felt at the pump's shaft alone.
