@@ -40,7 +40,7 @@ def check_effect(rig: Rig, name: str, values: Mapping[str, float] | None) -> dic
         if key not in known:
             raise InputError(f"{rig.source or 'effects'}: effect '{name}' has no parameter "
                              f"'{key}'; it has {', '.join(known)}")
-    return {key: float((values or {}).get(key, parameter.typical))
+    return {key: float((values or {}).get(key, parameter.sized(*rig.sizes).typical))
             for key, parameter in known.items()}
 
 

@@ -22,7 +22,8 @@ OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
 # Of the drill drive, for which the catalogue has its bounds: N.m, rad/s, m^3/s.
-_TORQUE, _SPEED, _FLOW = 620.704, 21.8032, 6.76667e-4
+_TORQUE, _FLOW = 195e-6 / (2.0 * np.pi) * 200e5, 28e-6 * 1450.0 / 60.0
+_SPEED = _FLOW * 200e5 / _TORQUE
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
 _USUAL = 3.5e7      # Pa, which a drive is made for where nothing tells it
 NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
