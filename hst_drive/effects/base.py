@@ -226,7 +226,7 @@ class Effect:
         """Parameters, SI, at which the effect matters."""
         return {entry.name: entry.typical for entry in self.parameters}
 
-    def usual(self, sizes: tuple[float, float, float]) -> dict[str, float]:
+    def typical_of(self, sizes: tuple[float, float, float]) -> dict[str, float]:
         """Return the same on a machine of other ``sizes`` (``Rig.sizes``)."""
         return {entry.name: entry.sized(*sizes).typical for entry in self.parameters}
 

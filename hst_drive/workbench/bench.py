@@ -259,7 +259,8 @@ def parameters(rig: Rig) -> list[dict]:
             'name': entry.name, 'meaning': entry.meaning, 'fixed': entry.fixed,
             'low': entry.low, 'high': entry.high, 'typical': entry.typical,
             'neutral': entry.neutral, 'unit': for_people(1.0, entry.unit)[1],
-            'per': for_people(1.0, entry.unit)[0]} for entry in effect.parameters],
+            'per': for_people(1.0, entry.unit)[0]} for entry in (
+                found.sized(*rig.sizes) for found in effect.parameters)],
     } for effect in effects]
 
 
