@@ -4,9 +4,10 @@
 The verb ``effects``: what a baseline drive model may lack.
 
 Without an id, lists all effects by the balance that they enter; with one, explains it. With --rig
-only those that have a place in the equations of the rig's circuit. Effects of other packages
-(entry-point group hst_drive.effects) are listed with the package's name. Numbers are in SI. The
-ids are those of rig files, of diagnoses and of the plant node's parameter ``effects``.
+only those that have a place in the equations of the rig's circuit, with the sizes and bounds of
+its machine. Effects of other packages (entry-point group hst_drive.effects) are listed with the
+package's name. Numbers are in SI. The ids are those of rig files, of diagnoses and of the plant
+node's parameter ``effects``.
 """
 from __future__ import annotations
 

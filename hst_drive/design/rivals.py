@@ -85,7 +85,7 @@ def matched(rig: Rig, rivals: Rivals) -> list[Model]:
     others are fitted to.
     """
     lead = next((model for model in rivals.models if model is not None), None) or Model(
-        {name: catalogue()[name].typical_of(rig.sizes) for name in rivals.names[0]})
+        {name: catalogue()[name].sized(*rig.sizes).typical for name in rivals.names[0]})
     lead = Model(lead.effects, within_limits(lead.factors, rig.scatter))
     place, models = None, []
     for names, model in zip(rivals.names, rivals.models):
@@ -109,9 +109,9 @@ class _Place:
 
     def start(self, names: Sequence[str]) -> Model:
         """Return a model with these effects, those of the lead with its sizes."""
-        return Model({name: self.lead.effects.get(
-            name, catalogue()[name].typical_of(self.campaign.sizes)) for name in names},
-            self.lead.factors)
+        sizes = self.campaign.sizes
+        return Model({name: self.lead.effects.get(name, catalogue()[name].sized(*sizes).typical)
+                      for name in names}, self.lead.factors)
 
     def taken(self, names: Sequence[str]) -> Model | None:
         """Return the sizes at which effects do the same, None if they cannot."""
@@ -139,7 +139,7 @@ def widened(rig: Rig, models: Sequence[Model], channels: Iterable[str]) -> list[
     if room <= 0 or len(models[0].effects) != len(shared) + 1:
         return models
     kept = {name: models[0].effects[name] for name in models[0].effects if name in shared}
-    others = [Model({**kept, name: effect.typical_of(rig.sizes)}, models[0].factors)
+    others = [Model({**kept, name: effect.sized(*rig.sizes).typical}, models[0].factors)
               for name, effect in catalogue().items()
               if name not in tried and effect.searched == 'always']
     rehearsal = Rehearsal(rig, _plain_drilling(rig), [models[0], *others], 0)

@@ -220,10 +220,12 @@ def _actuator(search: Search, best: Candidate, name: str) -> list[Trial]:
         return []
     bare = best.fit._replace(model=best.fit.model.without(name))
     late, slower = (_timed(search, bare, timing) for timing in (DEAD_TIME, ONE_WAY_SLOWER))
+    score = search.score(late.fit)
     # A row of lags is nearly a dead time, and still the effect.
-    row = late.fit if search.score(late.fit) >= best.score else _timed(
-        search, best.fit, ONE_MORE_LAG).fit
-    return [slower] if search.score(row) < search.score(late.fit) else [late, slower]
+    if score < best.score and search.score(
+            _timed(search, best.fit, ONE_MORE_LAG).fit) < score:
+        return [slower]
+    return [late, slower]
 
 
 def _timed(search: Search, fitted: Fit, timing: Timing) -> Trial:

@@ -226,9 +226,12 @@ class Effect:
         """Parameters, SI, at which the effect matters."""
         return {entry.name: entry.typical for entry in self.parameters}
 
-    def typical_of(self, sizes: tuple[float, float, float]) -> dict[str, float]:
-        """Return the same on a machine of other ``sizes`` (``Rig.sizes``)."""
-        return {entry.name: entry.sized(*sizes).typical for entry in self.parameters}
+    def sized(self, *sizes: float) -> Effect:
+        """Return it for a machine of such sizes (``Rig.sizes``): bounds, typical sizes, starts."""
+        return replace(
+            self, parameters=tuple(entry.sized(*sizes) for entry in self.parameters),
+            starts=tuple({key: value * self.parameter(key).scale(*sizes)
+                          for key, value in start.items()} for start in self.starts))
 
     @property
     def neutral(self) -> dict[str, float]:

@@ -47,7 +47,7 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         Its parameters where it was fitted alone, SI.
 
     """
-    effect, values = effect_of(name), campaign.typical(name)
+    effect, values = effect_of(name).sized(*campaign.sizes), campaign.typical(name)
     size = effect.size.name
     off = campaign.off(name)[size]
     # What is adopted keeps its form: only its size is fitted.
@@ -61,12 +61,10 @@ def starts(campaign: Campaign, factors: np.ndarray, base: Model, name: str,
         found = strongest_orders(campaign, campaign.errors(base, to_fit=True))
         return [shaped({effect.order: float(entry)}) for entry in found] or [shaped({})]
     # In logs of a part what a whole drive alone can tell stays as it is, elsewhere what it lacks.
-    declared = [
-        {key: value * effect.parameter(key).scale(*campaign.sizes) for key, value in entry.items()}
-        for entry in effect.starts if all(
-            not part.whole_drive if campaign.by_balance else
-            part.whole_drive or part.recorded_in(campaign.signals)
-            for part in map(effect.parameter, entry))]
+    declared = [entry for entry in effect.starts if all(
+        not part.whole_drive if campaign.by_balance else
+        part.whole_drive or part.recorded_in(campaign.signals)
+        for part in map(effect.parameter, entry))]
     fitted = [] if alone is None else [base.with_effect(name, dict(alone))]
     many = len(declared) > _MANY
     near = _near(campaign, base, [shaped(entry) for entry in declared]) if many else []

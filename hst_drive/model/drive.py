@@ -35,12 +35,12 @@ def check_effect(rig: Rig, name: str, values: Mapping[str, float] | None) -> dic
     effects = catalogue(everything=True)
     if name not in effects:
         raise InputError(f"{rig.source or 'effects'}: {unknown_effect(name)}")
-    known = {parameter.name: parameter for parameter in effects[name].parameters}
+    known = {entry.name: entry for entry in effects[name].sized(*rig.sizes).parameters}
     for key in values or {}:
         if key not in known:
             raise InputError(f"{rig.source or 'effects'}: effect '{name}' has no parameter "
                              f"'{key}'; it has {', '.join(known)}")
-    return {key: float((values or {}).get(key, parameter.sized(*rig.sizes).typical))
+    return {key: float((values or {}).get(key, parameter.typical))
             for key, parameter in known.items()}
 
 

@@ -21,6 +21,8 @@ def chosen(identity: str | None = None, rig: Rig | None = None) -> dict[str, Eff
     """
     Return the whole catalogue, or one effect of it; with a rig what has a place in its circuit.
 
+    With a rig sizes and bounds are those of its machine.
+
     Raises
     ------
     InputError
@@ -36,7 +38,8 @@ def chosen(identity: str | None = None, rig: Rig | None = None) -> dict[str, Eff
         model = part_model(rig)
         if identity is not None:
             refuse_placeless(model, effects)
-        effects = {name: effect for name, effect in effects.items() if model.enters(name)}
+        effects = {name: effect.sized(*rig.sizes) for name, effect in effects.items()
+                   if model.enters(name)}
     return effects
 
 

@@ -39,8 +39,7 @@ def with_inertia(rig: dict, inertia: float) -> dict:
 
 
 def read_effects(found: object, source: str,
-                 sizes: tuple[float, float, float] | None = (1.0, 1.0, 1.0)
-                 ) -> dict[str, dict[str, float]]:
+                 sizes: tuple[float, float, float] | None) -> dict[str, dict[str, float]]:
     """
     Read ``id: {parameter: value}``, values in SI or texts with a unit.
 
@@ -71,19 +70,20 @@ def _effect(name: str, content: object, source: str,
                          f'{reason or _near(name, effects, _OWN)}')
     if not isinstance(content, dict):
         raise InputError(f"{source}: '{where}' is {_shown(content)}, expected parameters")
+    effect = effects[name]
     declared = {entry.name: entry.sized(*sizes) if sizes else entry.of_any_size
-                for entry in effects[name].parameters}
+                for entry in effect.parameters}
     for key in content:
         if key not in declared:
             known = f'known: {", ".join(declared)}'
             raise InputError(f"{source}: unknown key '{where}.{key}'; "
                              f'{_near(str(key), declared, known)}')
-    size = effects[name].size
+    size = effect.size
     if size.name not in content:
         raise InputError(f"{source}: key '{where}.{size.name}' is missing; add the effect's size, "
                          f'{size.low:g} to {size.high:g} {size.unit}')
     return {key: _number(content[key], entry, source, f'{where}.{key}') if key in content
-            else effects[name].neutral[key] for key, entry in declared.items()}
+            else effect.neutral[key] for key, entry in declared.items()}
 
 
 def _number(value: object, declared: Parameter, source: str, key: str) -> float:

@@ -21,9 +21,9 @@ import numpy as np
 OPEN = 'open'
 WHOLE = ('pump', 'motor', 'line', 'relief_valve', 'loading')
 CREEPING = 0.023    # of the full speed
-# Of the drill drive, for which the catalogue has its bounds: N.m, rad/s, m^3/s.
-_TORQUE, _FLOW = 195e-6 / (2.0 * np.pi) * 200e5, 28e-6 * 1450.0 / 60.0
-_SPEED = _FLOW * 200e5 / _TORQUE
+# Most of the drill drive, for which the catalogue has its bounds: N.m, rad/s, m^3/s.
+_FULL_TORQUE, _FULL_FLOW = 195e-6 / (2.0 * np.pi) * 200e5, 28e-6 * 1450.0 / 60.0
+_FULL_SPEED = 28.0 * 1450.0 / 195.0 * np.pi / 30.0
 STANDSTILL = 0.0046     # of the full speed: below, the sign of the rotation is the noise's
 _USUAL = 3.5e7      # Pa, which a drive is made for where nothing tells it
 NO_SIGN = 5.0       # deviations of a speed sensor's noise: below, it is not known either
@@ -302,9 +302,9 @@ class Rig:
         """Torque, speed and flow of a whole drive, over those of the drill drive; else 1."""
         if not self.whole:
             return 1.0, 1.0, 1.0
-        flow = float(self.pump.max_displacement * self.pump.shaft_speed)
-        return (self.motor.displacement * self.rated_pressure / _TORQUE,
-                flow / self.motor.displacement / _SPEED, flow / _FLOW)
+        flow = float(self.full_speed) * self.motor.displacement
+        return (self.motor.displacement * self.rated_pressure / _FULL_TORQUE,
+                float(self.full_speed) / _FULL_SPEED, flow / _FULL_FLOW)
 
     @property
     def creeping(self) -> float:

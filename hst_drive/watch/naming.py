@@ -71,7 +71,7 @@ class Signatures:
     """
 
     def __init__(self, model: PartModel):
-        tried = {name: effect for name, effect in catalogue().items()
+        tried = {name: effect.sized(*model.rig.sizes) for name, effect in catalogue().items()
                  if effect.searched == 'always' and model.enters(name)
                  and not (effect.both_ways and model.rig.circuit == OPEN)}
         self._adopted = model.rig.effects

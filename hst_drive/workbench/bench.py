@@ -15,7 +15,7 @@ from hst_drive.channels import CHANNELS
 from hst_drive.diagnose.adopt import adopt
 from hst_drive.diagnose.decide import diagnose
 from hst_drive.diagnose.result import as_json
-from hst_drive.effects import catalogue, SLOTS
+from hst_drive.effects import SLOTS
 from hst_drive.errors import InputError
 from hst_drive.identify.fit import fit
 from hst_drive.identify.model import Model
@@ -23,7 +23,7 @@ from hst_drive.identify.part import campaign_of
 from hst_drive.identify.phases import in_step
 from hst_drive.measure.compare import compare, LogComparison, model_of, pooled
 from hst_drive.measure.run import Run
-from hst_drive.model.circuit_model import part_model
+from hst_drive.report.effects import chosen
 from hst_drive.rig import Rig
 from hst_drive.units import difference_from_si, for_people
 from hst_drive.workbench.state import Base, PageModel
@@ -249,9 +249,7 @@ class Workbench:
 def parameters(rig: Rig) -> list[dict]:
     """Return a rig's catalogue for the page: effects, their parameters in SI and for people."""
     order = list(dict.fromkeys(slot.enters for slot in SLOTS.values()))
-    enters = part_model(rig).enters
-    effects = sorted((effect for effect in catalogue().values() if enters(effect.id)),
-                     key=lambda effect: order.index(effect.enters))
+    effects = sorted(chosen(rig=rig).values(), key=lambda effect: order.index(effect.enters))
     return [{
         'id': effect.id, 'title': effect.title, 'enters': effect.enters,
         'equation': effect.equation, 'telltale': effect.telltale, 'source': effect.source,
@@ -259,8 +257,7 @@ def parameters(rig: Rig) -> list[dict]:
             'name': entry.name, 'meaning': entry.meaning, 'fixed': entry.fixed,
             'low': entry.low, 'high': entry.high, 'typical': entry.typical,
             'neutral': entry.neutral, 'unit': for_people(1.0, entry.unit)[1],
-            'per': for_people(1.0, entry.unit)[0]} for entry in (
-                found.sized(*rig.sizes) for found in effect.parameters)],
+            'per': for_people(1.0, entry.unit)[0]} for entry in effect.parameters],
     } for effect in effects]
 
 
