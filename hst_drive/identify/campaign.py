@@ -166,6 +166,11 @@ class Campaign:
             return replace(found, low=-found.high)
         return found
 
+    def either_way(self, name: str) -> bool:
+        """Say whether the size of an effect may be off the model's to both sides."""
+        size = self.parameter(name, effect_of(name).size.name)
+        return size.low < self.off(name)[size.name] < size.high
+
     def least(self, key: str) -> float:
         """Return the least that a factor (natural logarithm) may be: there it is of nothing."""
         return -float(np.log(max(self.rig.calibration.get(key, 1.0), 1.0))) \

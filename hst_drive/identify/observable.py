@@ -73,7 +73,7 @@ def visibility(campaign: Campaign, base: Fit, names: Sequence[str]) -> list[Visi
         size = campaign.parameter(name, effect.size.name)
         model = base.model.with_effect(name, campaign.typical(name))
         move = campaign.training(campaign.errors(model, to_fit=True)) - start
-        odds = shows.odds(move, size.low < campaign.off(name)[size.name])
+        odds = shows.odds(move, campaign.either_way(name))
         asked = campaign.odds_asked + (0.0 if name in campaign.faults else log(len(names)))
         largest = max(abs(size.low), abs(size.high))
         smallest = abs(size.typical) * _crossing(lambda log_share: _named(

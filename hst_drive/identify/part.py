@@ -3,6 +3,7 @@
 """Logs of a part of the drive as a fitting problem: every balance that they close is a signal."""
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Sequence
 
@@ -137,12 +138,25 @@ class PartCampaign(Campaign):
         """Say why the channels cannot show an effect; empty if they can."""
         if not self.drive.enters(name):
             return ELSEWHERE
-        if catalogue()[name].both_ways and not any(replay.reverses for replay in self.replays):
-            return 'needs a log that turns both ways: in one direction it is dry friction'
         if self._moves(Model({name: self.typical(name)}, {})):
             return ''
         enters = catalogue()[name].enters
         return unread(self, name) or f'enters no balance that these channels close ({enters})'
+
+    def parameter(self, name: str, key: str) -> Parameter:
+        """
+        Return a parameter of an effect, with bounds that are plausible here.
+
+        What brakes a shaft that turns one way is dry friction; what drives it is not.
+        """
+        found, effect = super().parameter(name, key), effect_of(name)
+        if not (effect.both_ways and key == effect.size.name) or any(
+                replay.reverses for replay in self.replays):
+            return found
+        ahead = all(replay.ahead for replay in self.replays)
+        far = abs(found.typical)
+        return replace(found, high=0.0, typical=-far) if ahead else replace(
+            found, low=0.0, typical=far)
 
     def typical(self, name: str) -> dict[str, float]:
         """Return parameters to start from; one that moves nothing here stays neutral."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from typing import Iterator, TYPE_CHECKING
 
-from hst_drive.effects import effect_of
 from hst_drive.identify.fit import each
 from hst_drive.identify.linearised import Linearised
 from hst_drive.identify.shapes import shapes_of
@@ -47,7 +46,6 @@ def score_test(search: Search, candidate: Candidate) -> Iterator[tuple[float, st
 
     names = [name for name in search.candidates if name not in candidate.names]
     for name, move in zip(names, each(typical, names)):
-        size = effect_of(name).size
-        lowest = -np.inf if size.low < campaign.off(name)[size.name] else 0.0
+        lowest = -np.inf if campaign.either_way(name) else 0.0
         alone_move = campaign.training(search.single(name).fit.errors) - start
         yield max(alone - least(entry, lowest) for entry in (alone_move, move)) / total, name

@@ -200,8 +200,7 @@ def _penalty(campaign: Campaign, fitted: Fit) -> float:
             continue
         off = campaign.off(name)
         if key == next(iter(off)):
-            ranges[k] = range_of(mode[k] - off[key] / scale[k],
-                                 bool(unknowns.low[index[k]] < off[key] / scale[k]))
+            ranges[k] = range_of(mode[k] - off[key] / scale[k], campaign.either_way(name))
         else:
             # What an effect is besides its size may be there or not.
             neutral[k] = off[key] / scale[k]

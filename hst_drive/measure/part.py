@@ -137,6 +137,11 @@ class PartReplay:
         speed = self._channels.get('motor_speed', np.zeros(1))
         return all(float(np.mean(way > self._creeping)) > _BOTH for way in (speed, -speed))
 
+    @property
+    def ahead(self) -> bool:
+        """Whether the shaft turns forwards, on the whole."""
+        return bool(np.sum(self._channels.get('motor_speed', 0.0)) >= 0.0)
+
     def _noise_of(self, name: str, model: PartModel) -> float:
         """Return a sensor's noise: from the record, or as stated for a table."""
         sensor = model.rig.sensors.get(name, Sensor(0.0))

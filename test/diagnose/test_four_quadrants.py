@@ -61,13 +61,19 @@ def test_an_axis_is_the_same_on_any_lever():
             {'coulomb': 20.0, 'coefficient': 200.0, 'torque': -4.0}, rel=0.03)
 
 
-def test_in_one_direction_a_constant_torque_is_dry_friction():
-    speed, force = axis()
-    ahead = np.flatnonzero(speed > 0)
-    gap = np.diff(ahead) > 1
-    first = ahead[:np.flatnonzero(gap)[0] + 1]
-    found = on_a_lever(TIME[first], speed[first], force[first], 95.0, 0.01)
-    assert 'turns both ways' in found.not_observable['constant_torque']
+@pytest.mark.parametrize('way', [1.0, -1.0])
+@pytest.mark.parametrize('braking', [20.0, -4.0])
+def test_in_one_direction_what_brakes_is_dry_friction_and_what_drives_is_not(way, braking):
+    speed = 0.12 + 0.08 * np.sin(2 * np.pi * 0.13 * TIME)
+    force = 95.0 * np.gradient(speed, TIME) + 200.0 * speed + braking
+    force += 0.5 * np.random.default_rng(1).standard_normal(len(TIME))
+    found = on_a_lever(TIME, way * speed, way * force, 95.0, 0.01)
+    named = {entry.id: next(iter(entry.parameters.values())) for entry in found.effects}
+    name, size = ('bearing_friction', braking) if braking > 0.0 else (
+        'constant_torque', way * braking)
+    assert {*named} == {'viscous_drag', name}
+    assert not any(entry.indistinguishable_from for entry in found.effects)
+    assert named[name].value == pytest.approx(0.01 * size, rel=0.03)
 
 
 def motor(random, ports):
