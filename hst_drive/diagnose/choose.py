@@ -63,14 +63,16 @@ def doubted(search: Search, best: Candidate, left: Container[str]) -> Campaign |
     other = search.campaign.doubted() if best.names or left else None
     if not other:
         return None
-    again = Search(other, search.candidates, search.progress)
-    full = again.refine(again.try_all([(best.names, best.fit)], 'doubting curve and sensors')[0])
+    again, what = Search(other, search.candidates, search.progress), 'doubting curve and sensors'
+    fewer = again.try_all([({*best.names} - {name}, best.fit.without(name))
+                           for name in best.names], what)
+    enough = [rest for rest in fewer if not again.unexplained(rest)]
+    if not left and not enough:
+        return None
+    full = again.refine(again.try_all([(best.names, best.fit)], what)[0])
     if left and (not again.unexplained(full) or _most_of_it(search, best, other, full)):
         return again.campaign
-    fewer = again.try_all([({*best.names} - {name}, full.fit.without(name))
-                           for name in best.names], 'doubting curve and sensors')
-    return again.campaign if any(not again.unexplained(rest) and not again.asked(rest, full)
-                                 for rest in fewer) else None
+    return again.campaign if any(not again.asked(rest, full) for rest in enough) else None
 
 
 def _most_of_it(search: Search, best: Candidate, other: Campaign, full: Candidate) -> bool:
