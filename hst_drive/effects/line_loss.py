@@ -37,8 +37,9 @@ EFFECT = Effect(
                   'how far the first follows the viscosity of the oil: 1 where the hose is as '
                   'warm as the oil', usual=(0.0, 1.0)),
         Parameter('upstream_share', '1', 0.0, 1.0, USUAL_UPSTREAM,
-                  'part of the oil that lies before the resistance: it alone is damped by that '
-                  'when the speed swings', neutral=USUAL_UPSTREAM, whole_drive=True),
+                  'part of the oil that lies before the resistance: what flows through that is '
+                  'what the pump delivers, less what this part takes up',
+                  neutral=USUAL_UPSTREAM, whole_drive=True),
     ),
     telltale='Pump pressure is too high by an amount that grows with flow, whatever the load; a '
              'second pressure sensor at the hydromotor reads less.',

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Mapping, NamedTuple
 
-from hst_drive.channels import COMMANDS
+from hst_drive.channels import COMMANDS, PRESSURES
 from hst_drive.model import Drive
 from hst_drive.model.parameters import INDEX
 from hst_drive.model.part import PartModel
@@ -15,6 +15,7 @@ import numpy as np
 _FIRST, _STILL = 5, 0.01    # rows that tell where the pump's plate rests, V that they may move
 _LINE, _LINE_ROWS = 0.05, 3     # s and rows at least, over which a reading moves on a line
 _SWINGS = 2.0       # deviations of a reading's own swing: further off it is in motion
+_NEAR = 1e3         # Pa to which a gauge reads at first what it read
 _RESTS = 1.0        # s over which what flows tells where the plate rests
 
 
@@ -81,6 +82,7 @@ def first_state(drive: Drive, beginning: Beginning, inputs: Mapping[str, float],
     commands = {name: inputs[name] for name in COMMANDS}
     state = drive.initial_state(**commands, speed=first.get('motor_speed', 0.0))
     motor, pump = drive.rig.motor, drive.rig.pump
+    gauge = next((name for name in PRESSURES[::-1] if name in first), '')
     for _ in range(3):
         if 'motor_speed' not in first:
             flow = first.get('motor_inlet_flow')
@@ -89,15 +91,23 @@ def first_state(drive: Drive, beginning: Beginning, inputs: Mapping[str, float],
                         - pump.leakage(state[1], commands['pump_command']))
             leak = motor.leakage(state[1], abs(state[2]))
             state[2] = max(flow - leak, 0.0) / motor.displacement
-        pressure = first.get('pump_outlet_pressure', first.get('motor_inlet_pressure'))
+        pressure = first.get(gauge)
         if pressure is None:
             pressure = _first_torque(drive, first, inputs, torque, state[2]) / (
                 motor.displacement * motor.mechanical_efficiency(state[1], abs(state[2])))
         state[1] = pressure
-    if 'pump_displacement' in first:
-        state[0] = first['pump_displacement']
-    elif 'motor_speed' in first or 'motor_inlet_flow' in first:
-        state[0] = _resting_displacement(drive, state, beginning, commands, inputs)
+    for _ in range(3):
+        if 'pump_displacement' in first:
+            state[0] = first['pump_displacement']
+        elif 'motor_speed' in first or 'motor_inlet_flow' in first:
+            state[0] = _resting_displacement(drive, state, beginning, commands, inputs)
+        if not gauge:
+            break
+        # A gauge reads otherwise than the oil is on the whole where a line takes pressure.
+        shown = drive.outputs(state, **commands, oil_temperature=inputs['oil_temperature'])
+        state[1] += pressure - shown[gauge]
+        if abs(pressure - shown[gauge]) < _NEAR:
+            break
     state[4] = inputs.get('motor_angle', 0.0)
     state[5] = state[7] = state[13] = state[2]
     if drive.has_flexible_shaft:
@@ -117,7 +127,9 @@ def _resting_displacement(drive: Drive, state: np.ndarray, beginning: Beginning,
     state, rise = state.copy(), 0.0
     if 'motor_speed' in beginning.resting:
         state[2], rise = beginning.resting['motor_speed'], beginning.rise
-        state[1] = beginning.resting.get('pump_outlet_pressure', state[1])
+        if 'pump_outlet_pressure' in beginning.resting:
+            state[1] += (beginning.resting['pump_outlet_pressure']
+                         - beginning.first['pump_outlet_pressure'])
     state[0] = 0.0
     if abs(state[2]) <= 0.2:
         return 0.0

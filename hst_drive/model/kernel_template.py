@@ -255,21 +255,6 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         pressure, speed, T_MOTOR_LEAKAGE, cells, layout)
     flow = motor_displacement * motor_speed + motor_leakage
 
-    line_drop = 0.0
-    # slot line_drop
-    line_upstream_share = LINE_UPSTREAM_SHARE
-    # slot line_upstream_share
-    # The pressure state stands for the whole line: part of the loss lies before its middle.
-    pressure = pump_pressure - line_upstream_share * line_drop
-    if not math.isnan(far_pressure):
-        pressure = far_pressure
-    motor_flow_loss = motor_flow_loss_kept = 0.0
-    # slot motor_flow_loss
-    # slot motor_flow_loss kept
-    motor_leakage_total = motor_leakage + motor_flow_loss
-    # What it takes along to its outlet is not drained.
-    flow = motor_displacement * motor_speed + motor_leakage_total + motor_flow_loss_kept
-
     pump_speed = nominal_speed
     # slot pump_speed
     speed_change = pump_speed - nominal_speed
@@ -284,6 +269,24 @@ def balances(displacement, pump_pressure, motor_speed, pprv_pressure, motor_angl
         relief_flow = p[P_relief_gain] * math.sqrt(
             max(pump_pressure - p[P_relief_reference_pressure], 0.0))
     pump_flow = displacement * pump_speed - pump_leakage - pump_flow_loss - relief_flow
+    line_upstream_share = LINE_UPSTREAM_SHARE
+    # slot line_upstream_share
+    if math.isnan(far_pressure):
+        # Through the resistance runs what the oil on either side of it does not take up.
+        flow = pump_flow + line_upstream_share * (flow - pump_flow)
+    line_drop = 0.0
+    # slot line_drop
+    # The pressure state stands for the whole line: part of the loss lies before its middle.
+    pressure = pump_pressure - line_upstream_share * line_drop
+    if not math.isnan(far_pressure):
+        pressure = far_pressure
+    motor_flow_loss = motor_flow_loss_kept = 0.0
+    # slot motor_flow_loss
+    # slot motor_flow_loss kept
+    motor_leakage_total = motor_leakage + motor_flow_loss
+    # What it takes along to its outlet is not drained.
+    flow = motor_displacement * motor_speed + motor_leakage_total + motor_flow_loss_kept
+
     pump_yield = 0.0
     # slot pump_yield
 

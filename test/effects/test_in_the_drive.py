@@ -264,7 +264,8 @@ def test_a_line_with_mass_rings_between_its_two_volumes():
 def test_line_loss_lies_between_the_sensors(laminar, turbulent):
     """The pressures before and behind the hose differ by the loss, either way of the flow."""
     for speed in (10.0, -10.0):
-        found = at({'line_loss': {'laminar': laminar, 'turbulent': turbulent}}, speed=speed)
+        found = at({'line_loss': {'laminar': laminar, 'turbulent': turbulent,
+                                  'upstream_share': 1.0}}, speed=speed)
         flow = found['motor_inlet_flow']
         assert flow * speed > 0.0
         assert found['pump_outlet_pressure'] - found['motor_inlet_pressure'] == pytest.approx(

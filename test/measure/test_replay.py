@@ -7,6 +7,7 @@ from hst_drive.measure.floor import of_rough_load, replay_floor
 from hst_drive.measure.replay import Replay
 from hst_drive.measure.run import Run
 from hst_drive.model import Drive, SensorBank
+from hst_drive.model.steady import operating_point
 from hst_drive.rig import default_rig
 import numpy as np
 import pytest
@@ -216,6 +217,26 @@ def test_the_start_is_what_the_signals_tell():
                                         if name != missing}, run.source)
         found = Replay(part, drive).start(drive)
         np.testing.assert_allclose(found[:4], whole[:4], rtol=0.03)
+
+
+@pytest.mark.parametrize('leave_out', [(), ('pump_outlet_pressure',)])
+@pytest.mark.parametrize('share', [0.0, 0.3, 1.0])
+def test_a_log_starts_with_what_its_gauge_reads_wherever_the_line_takes_pressure(share, leave_out):
+    rig = default_rig()
+    effects = {'line_loss': {'laminar': 6e9, 'turbulent': 0.0, 'viscosity_share': 0.0,
+                             'upstream_share': share}}
+    drive, time = Drive(rig, effects), np.arange(0.0, 40.0, 0.01)
+    point = operating_point(drive, 10.0, 100.0)
+    commands = {'pump_command': np.full(len(time), point.pump_command),
+                'pprv_command': np.full(len(time), point.pprv_command)}
+    exact = drive.simulate(time, commands, point.state.copy())
+    run = Run('steady', time[:1000], {name: values[-1000:] for name, values in {
+        **commands, **{name: exact[name] for name in (
+            'pump_outlet_pressure', 'motor_inlet_pressure', 'motor_speed')}}.items()
+        if name not in leave_out}, 'steady.csv')
+    found = Replay(run, drive).predict(drive)['motor_inlet_pressure']
+    # The line takes 20 bar.
+    assert np.abs(found - run['motor_inlet_pressure']).max() < 0.2e5
 
 
 def test_noise_of_the_last_samples_is_no_load():
