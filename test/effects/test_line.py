@@ -49,7 +49,7 @@ def test_the_hydromotor_gets_what_the_line_leaves(share):
 
 
 class TwoVolumes(Reference):
-    """The drive with a resistance (Pa.s/m^3) between two volumes; the last state is the far one."""
+    """The drive with a resistance (Pa.s/m^3) in its oil; the last state is what lies behind."""
 
     def __init__(self, share, resistance):
         super().__init__()
