@@ -180,6 +180,9 @@ def _explained(search: Search) -> tuple[
     whole = not search.campaign.by_balance
     more = one_cause(search, best, left) if whole else None
     better = {} if more else unlisted_replacement(search, best, left)
+    if better and (again := search.anew(best, better)) is not best:
+        best, left = again, search.unexplained(again)
+        better = unlisted_replacement(search, best, left)
     found = best
     if more:
         found = search.baseline

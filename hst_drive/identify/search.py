@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, log
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Iterable, NamedTuple, Sequence
 
 from hst_drive.effects import effect_of, flexible
 from hst_drive.identify.calibrate import calibrated
@@ -201,6 +201,19 @@ class Search:
             return candidate
         self._known[candidate.names] = self._refined[candidate.names] = again
         return again
+
+    def anew(self, candidate: Candidate, names: Iterable[str]) -> Candidate:
+        """
+        Return a candidate, or what it becomes where effects start anew; the better one.
+
+        Beside the others another of their forms may be right than alone.
+        """
+        for name in names:
+            found = self.try_all([(candidate.names, candidate.fit.without(name))],
+                                 'starting anew', again=True)[0]
+            if found.score < candidate.score:
+                candidate = self.refine(found)
+        return candidate
 
     def _patient(self, candidate: Candidate) -> Candidate:
         known: dict[tuple[str, str], np.ndarray] = {}
