@@ -2,11 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What explains the recordings alike is told beside what was found, whichever came first."""
 from bench.campaigns import as_runs, STANDARD
+from hst_drive.diagnose.unlisted import unlisted_replacement
 from hst_drive.identify.campaign import Campaign
+from hst_drive.identify.fit import fit, PATIENT
+from hst_drive.identify.model import Model
 from hst_drive.identify.search import Search
 from hst_drive.identify.standing import alternatives
+from hst_drive.rig import default_rig
 import pytest
 
+from ..measure.synthetic import record
 from ..truth import make_campaign
 
 
@@ -31,3 +36,23 @@ def test_without_a_flow_meter_both_leaks_are_told_whatever_the_form():
     for first, second in (('motor_leakage', 'pump_leakage'), ('pump_leakage', 'motor_leakage')):
         best = search.refine(search.single(first))
         assert second in alternatives(search, best, first)
+
+
+@pytest.mark.needs_numba
+def test_beside_others_another_form_of_an_effect_may_be_right():
+    """Oil that a pump compresses; alone, a curve that is off seemed the hydromotor's."""
+    hidden = {'compressibility_flow': {'volume_ratio': 6.0, 'dead_share': 0.5, 'in_motor': 0.0},
+              'pump_command_offset': {'offset': 0.15}}
+    runs = [record(seed, effects=hidden, leave_out=('motor_inlet_flow',), duration=60.0)
+            for seed in (81, 82, 83)]
+    search = Search(Campaign(default_rig(), runs), (*hidden,))
+    start = Model({**hidden, 'compressibility_flow': {
+        'volume_ratio': 6.0, 'dead_share': 0.2, 'in_motor': 1.0}})
+    stuck = search.candidate((*hidden,), fit(
+        search.campaign, start, iterations=PATIENT, refresh=True))
+    assert {*unlisted_replacement(search, stuck, {})} == {'compressibility_flow'}
+    found = search.anew(stuck, ['compressibility_flow'])
+    compressed = found.fit.model.effects['compressibility_flow']
+    assert compressed['in_motor'] == 0.0
+    assert compressed['volume_ratio'] == pytest.approx(6.0, rel=0.1)
+    assert unlisted_replacement(search, found, {}) == {}
